@@ -1,0 +1,61 @@
+// Moves values between the owners of a grid's cells (or faces) and the boxes in which ranks want them: halos around own
+// blocks, and windows anywhere (where a rank's particles are). Periodic images included. Set up once; each call is one
+// message per pair of ranks that share something, for all arrays given together.
+#pragma once
+
+#include <mpi.h>
+
+#include <vector>
+
+#include "box.h"
+
+namespace twogrid {
+
+class BlockExchange {
+ public:
+  BlockExchange() = default;
+  /// Collective only in that all ranks must give the same arguments.
+  /// owned[r]: what rank r owns (disjoint). wanted[r]: the box rank r wants, which may reach outside [0, extent): in a
+  /// periodic direction that is the periodic image (period = extent of CELLS), elsewhere there is no owner and the
+  /// value is left alone.
+  BlockExchange(MPI_Comm comm, const std::vector<Box>& owned, const std::vector<Box>& wanted, const Int3& period,
+                const std::array<bool, 3>& periodic);
+
+  /// window <- owners' values. The arrays must cover the rank's owned and wanted box. Collective.
+  template <class T>
+  void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Array3<T>*>& window) const;
+  /// owners' values += windows' values, own window included, in rank order. Exact for integers. Collective.
+  template <class T>
+  void add(const std::vector<const Array3<T>*>& window, const std::vector<Array3<T>*>& owner) const;
+  /// Halo of arrays that hold both own values and halo. Collective.
+  template <class T>
+  void bring(const std::vector<Array3<T>*>& field) const;
+  template <class T>
+  void bring(Array3<T>& field) const { bring(std::vector<Array3<T>*>{&field}); }
+
+  /// Bytes and messages sent by this rank for one value of 8 bytes a point.
+  std::size_t bytes_per_value() const;
+  int messages() const { return int(send_.size()); }
+
+ private:
+  struct Piece {
+    Box owner;    // indices at the owner
+    Int3 shift;   // index in the window = index at the owner + shift
+  };
+  struct Peer {
+    int rank;
+    std::vector<Piece> pieces;
+    std::size_t count;
+  };
+  template <class T>
+  void transfer(const std::vector<Peer>& from, const std::vector<Peer>& to, const std::vector<const Array3<T>*>& source,
+                const std::vector<Array3<T>*>& target, bool to_window, bool accumulate, bool in_place) const;
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  int rank_ = 0;
+  std::vector<Peer> send_;     // of owned values that others (or this rank's window) want
+  std::vector<Peer> receive_;  // of wanted values, by owner
+  std::vector<Piece> self_;
+};
+
+}  // namespace twogrid

@@ -1,0 +1,64 @@
+// The fluid as the coupling sees it. FluidSolver (fluid_solver.h) is the real one; tests use fakes.
+#pragma once
+
+#include "field.h"
+#include "grid.h"
+#include "layout.h"
+#include "void_fraction.h"
+
+namespace twogrid {
+
+/// What the particles do to the fluid during one interval. All fields cover own faces (cells) and may be left
+/// unallocated (size 0) where a part is absent: it then costs nothing. Momentum balance of the volume V_f of face f:
+///   rho_f d(eps u)/dt + ... = - (1 - chi) grad p + source - beta u
+struct Interphase {
+  FaceField<FineGrid> source;       ///< force on the fluid per volume (N/m3), constant over the interval
+  FaceField<FineGrid> beta;         ///< implicit part's coefficient, kg/(m3 s)
+  FaceField<FineGrid> chi;          ///< share of grad p that others carry (formulation A: eps_s), dimensionless
+  CellField<FineGrid> mass_source;  ///< q, 1/s: d(eps)/dt + div(eps u) = q (fluid replaced by inserted particles)
+};
+
+/// Figures of one call of advance, the same on all ranks.
+struct FluidReport {
+  int steps = 0;
+  double dt = 0;                ///< last fluid step, s
+  double cfl = 0;               ///< largest Courant number met
+  double divergence_error = 0;  ///< max over cells of |d(eps)/dt + div(eps u) - q| h/U
+  int pressure_iterations = 0;  ///< sum over steps
+  double pressure_drop = 0;     ///< mean p of inlet faces minus mean p of outlet faces (Pa)
+  double inflow = 0, outflow = 0, displaced = 0;  ///< volume in, out, and -integral of d(eps)/dt - q, last step, m3/s
+};
+
+/// Face is solved for, or its normal velocity is prescribed (wall, inlet).
+enum class FaceState : unsigned char { kSolved, kFixed };
+
+class Fluid {
+ public:
+  virtual ~Fluid() = default;
+
+  virtual const FineGrid& grid() const = 0;
+  virtual const Layout& layout() const = 0;
+  virtual double density() const = 0;
+  virtual double viscosity() const = 0;
+  /// Width of the halo of all fields returned below.
+  static constexpr int kHalo = 2;
+  /// State of each own face of direction d and of its halo.
+  virtual const Array3<FaceState>& face_state(int d) const = 0;
+  /// u (interstitial, m/s) now; halo filled across ranks and periodic sides.
+  virtual const FaceField<FineGrid>& velocity() const = 0;
+  /// Mean of u over the last interval, as the implicit drag saw it; halo as above.
+  virtual const FaceField<FineGrid>& mean_velocity() const = 0;
+  /// Mean of grad p (dynamic pressure, imposed gradient included) over the last interval, on solved faces; halo as above.
+  virtual const FaceField<FineGrid>& mean_pressure_gradient() const = 0;
+  virtual const CellField<FineGrid>& pressure() const = 0;
+  virtual const CellField<FineGrid>& void_fraction() const = 0;
+  virtual double time() const = 0;
+
+  /// Sets eps of the initial state, and forgets history. Collective.
+  virtual void start(const CellField<FineGrid>& eps) = 0;
+  /// Advances over the interval. Collective. Throws std::runtime_error with a sentence on all ranks when the solution
+  /// is not finite or the pressure solver fails.
+  virtual FluidReport advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) = 0;
+};
+
+}  // namespace twogrid

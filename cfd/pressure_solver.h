@@ -1,0 +1,38 @@
+// div( c grad phi ) = b on the fine grid: conjugate gradients (PETSc KSP, options prefix -fluid_pressure_) preconditioned
+// by a geometric multigrid that semi-coarsens, so that thin, stretched and odd-sized grids converge alike.
+#pragma once
+
+#include <mpi.h>
+
+#include <memory>
+
+#include "field.h"
+#include "grid.h"
+#include "layout.h"
+
+namespace twogrid {
+
+class PressureSolver {
+ public:
+  /// Collective. dirichlet faces are known by their coefficient: a boundary face with c > 0 couples the cell to a
+  /// ghost value of zero, one with c = 0 is closed (wall, inlet).
+  PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol);
+  ~PressureSolver();
+
+  /// Sets the operator. conductance[d](i,j,k), own faces: c A / distance of the face (all factors multiplied in), >= 0;
+  /// A periodic face is given once, at index 0. Symmetric by construction. Collective.
+  /// singular: no boundary face has c > 0 (phi is defined up to a constant; mean zero is returned).
+  void set_operator(const FaceField<FineGrid>& conductance, bool singular);
+
+  /// Solves  sum over faces of conductance (phi_neighbour - phi_cell) = b  for own cells; b is an integral over the cell.
+  /// phi on entry: first guess, on return: the solution, own cells only (its halo is not filled).
+ 
+  /// Throws std::runtime_error with a sentence on all ranks when it doesn't converge. Collective.
+  int solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol = 0);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace twogrid

@@ -1,0 +1,28 @@
+// eps(t) over one coupling interval, as the fluid's sub-steps see it.
+#pragma once
+
+#include "field.h"
+#include "grid.h"
+
+namespace twogrid {
+
+/// Cubic Hermite in time between eps at the interval's ends with given slopes there, so that d(eps)/dt is continuous
+/// from one interval to the next. Linear when the slopes are both (end - begin)/interval.
+/// The cell fields cover own cells and a halo of two, beyond the domain's sides too.
+struct VoidFractionInTime {
+  const CellField<FineGrid>* begin = nullptr;
+  const CellField<FineGrid>* end = nullptr;
+  const CellField<FineGrid>* slope_begin = nullptr;  ///< 1/s; null together with slope_end: linear
+  const CellField<FineGrid>* slope_end = nullptr;
+
+  /// eps at fraction s in [0,1] of an interval of length dt, at memory index m.
+  double at(std::ptrdiff_t m, double s, double dt) const {
+    const double e0 = begin->data()[m], e1 = end->data()[m];
+    if (!slope_begin || s == 1.0) return e0 + s * (e1 - e0);
+    const double d0 = slope_begin->data()[m] * dt, d1 = slope_end->data()[m] * dt;
+    const double r = 1 - s;
+    return e0 + (e1 - e0) * s * s * (3 - 2 * s) + d0 * s * r * r - d1 * s * s * r;
+  }
+};
+
+}  // namespace twogrid

@@ -1,0 +1,73 @@
+// The coupling: particles and fluid, seen through two small interfaces (Particles, Fluid), advanced by turns.
+//
+// At a DEM step that is a multiple of `every` (t^n), with the particles at x(t^n):
+//   1 deposit   V_p            -> eps_s on the particle grid -> bounded -> eps on the fine grid
+//   2 react     impulses that the particles received in the interval -> source of the fluid, by the transpose of read;
+//               beta_eff = sum w_pf b'_p / V_f,  b'_p = b_p / (1 + b_p Dt/m_p)
+//   3 advance   the fluid over the interval, t^{n-1} -> t^n, in as many steps as it needs
+//   4 kick      what the implicit part changed, b'_p (u_read - u_seen) Dt, goes to the particles at once: the sum of
+//               momenta of fluid and particles is kept to round-off
+//   5 read      u, grad p, eps at the particles; b_p by the drag law
+// Then, at every DEM step: force() adds drag (semi-implicit) and pressure gradient force.
+#pragma once
+
+#include <mpi.h>
+
+#include <memory>
+#include <string>
+
+#include "particles.h"
+#include "settings.h"
+
+namespace twogrid {
+
+class Fluid;
+class ParticleGrid;
+
+/// Figures of the last coupling and of the run so far; the same on all ranks. The order is that of f_ID[1..].
+struct Report {
+  double fluid_time = 0, fluid_dt = 0, cfl = 0, pressure_drop = 0, divergence_error = 0;
+  double solid_volume_error = 0;     ///< relative: deposited against the particles' own
+  double momentum_error = 0;         ///< relative: action against reaction
+  double volume_moved = 0;           ///< by the eps bound, m3 (bound clip: thrown away)
+  double eps_min = 1;
+  int pressure_iterations = 0;
+  // not in the vector
+  long long fluid_steps = 0;
+  double max_drag_number = 0;        ///< largest beta Dt/(rho_p eps_s): interval over response time
+  bool holding_flux = false;
+  double solid_volume = 0;           ///< m3, of the particles that take part
+  long long particles = 0;
+};
+
+/// CPU seconds of this rank by part.
+struct Shares {
+  double deposit = 0, map = 0, fluid = 0, output = 0, force = 0;
+};
+
+class Coupling {
+ public:
+  /// Collective. sub_lo, sub_hi: this rank's brick of the particle decomposition; reach: how far outside it a particle
+  /// may lie (half a skin). Throws std::invalid_argument with a sentence for settings that can't be served.
+  Coupling(MPI_Comm comm, const Settings& settings, Fluid& fluid, const Vec3& sub_lo, const Vec3& sub_hi, double reach);
+  ~Coupling();
+
+  /// First coupling of a run: deposits, initialises eps^n, eps^{n-1} if there is no history, and reads; the fluid does
+  /// not advance. Collective.
+  void start(Particles& p, double dem_dt);
+  /// Steps 1-5 above for an interval of `steps` DEM steps of dem_dt seconds. Collective.
+  void advance(Particles& p, int steps, double dem_dt);
+  /// Every DEM step, after all other forces: f += drag + pressure gradient force, semi-implicit; sums up impulses.
+  /// Collective only while holding the flux. accumulate = false in set-up: forces only.
+  void force(Particles& p, double dem_dt, bool accumulate = true);
+
+  const Report& report() const;
+  const Shares& shares() const;
+  Fluid& fluid();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace twogrid

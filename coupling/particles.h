@@ -1,0 +1,38 @@
+// The particles as the coupling sees them: arrays owned by someone else (LIGGGHTS, or a test).
+#pragma once
+
+namespace twogrid {
+
+/// Columns of the state that the coupling keeps with every particle. It migrates and restarts with the particle; a new
+/// particle's state is all zero.
+enum ParticleColumn {
+  kImpulse = 0,        ///< 0-2 momentum received from the fluid since the last coupling (kg m/s)
+  kDisplacement = 3,   ///< 3-5 path since the last coupling (m)
+  kPathVelocity = 6,   ///< 6-8 displacement / interval of the last coupling (m/s)
+  kFluidVelocity = 9,  ///< 9-11 u read at the last coupling (m/s)
+  kPressureForce = 12, ///< 12-14 -V_p grad p as read at the last coupling (N); zero in formulation B
+  kDragForce = 15,     ///< 15-17 drag of the current step (N)
+  kDragCoefficient = 18,  ///< 18 b_p (kg/s)
+  kVoidFraction = 19,     ///< 19 eps at the particle
+  kSeenVelocity = 20,     ///< 20-22 fluid velocity the drag of the last step was computed with (m/s)
+  kNode = 23,             ///< 23 not kept: scratch
+  kParticleColumns = 24
+};
+
+/// A view of this rank's own particles (no ghosts). Positions may lie up to half a skin outside the rank's box.
+struct Particles {
+  int n = 0;
+  double (*x)[3] = nullptr;       ///< m
+  double (*v)[3] = nullptr;       ///< m/s
+  double (*f)[3] = nullptr;       ///< N
+  const double* radius = nullptr; ///< m
+  const double* mass = nullptr;   ///< kg
+  const int* tag = nullptr;       ///< identity, may be null
+  const int* mask = nullptr;      ///< groups, may be null: all take part
+  int group = ~0;                 ///< a particle takes part if mask & group
+  double* const* state = nullptr; ///< state[i][ParticleColumn]
+
+  bool takes_part(int i) const { return !mask || (mask[i] & group); }
+};
+
+}  // namespace twogrid

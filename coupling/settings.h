@@ -1,0 +1,54 @@
+// What a user chooses about the coupling: one line of the methods' table (deposit, onto which grid, prolong, read), the
+// drag law, the formulation, the schedule. Plain values, checked before anything is allocated.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "../cfd/fluid_settings.h"
+
+namespace twogrid {
+
+enum class Deposit { kCentroid, kTrilinear, kExact, kCube };
+enum class Prolong { kConstant, kLinear };
+enum class Read { kCell, kTrilinear, kFine, kFineTrilinear, kKernel, kCube };
+enum class Formulation { kA, kB };
+enum class EpsBound { kMove, kClip };
+enum class Interpolate { kSmooth, kLinear };  ///< eps(t) between couplings, seen by fluid sub-steps
+
+struct OutputSettings {
+  int every = 0;                     ///< DEM steps between frames; 0: no output
+  std::string file;
+  std::vector<std::string> fields;   ///< u p eps ...
+  bool particles = true;
+  double average_from = -1;          ///< s; negative: no averages
+};
+
+struct Settings {
+  std::string id;                                   ///< of the fix, for messages
+  std::array<double, 6> domain{0, 0, 0, 0, 0, 0};   ///< of the fluid: xlo xhi ylo yhi zlo zhi (m)
+  Int3 fine{0, 0, 0};
+  Int3 ratio{1, 1, 1};
+  std::array<double, 3> stretch{1, 1, 1};           ///< growth from cell to cell
+  std::array<bool, 3> stretch_symmetric{false, false, false};
+  int every = 1;                                    ///< DEM steps per coupling
+  bool one_way = false;                             ///< particles feel the fluid, the fluid doesn't feel them
+
+  FluidSettings fluid;
+  std::string drag = "ergun/wenyu";
+  Formulation formulation = Formulation::kB;
+  Deposit deposit = Deposit::kCentroid;
+  Prolong prolong = Prolong::kConstant;
+  Read read = Read::kCell;
+  double kernel_width = 0;                          ///< read kernel: full width (m)
+  double cube_edge = 0;                             ///< deposit/read cube: edge (m)
+  EpsBound bound = EpsBound::kMove;
+  double eps_min = 0.3;                             ///< smallest void fraction allowed
+  Interpolate interpolate = Interpolate::kSmooth;
+  double theta = 0.5;                               ///< of the semi-implicit drag: 1/2 Crank-Nicolson, 1 backward Euler
+  Choice hold_flux = Choice::kAuto;                 ///< particles see the volume flux held, not the velocity
+  OutputSettings output;
+};
+
+}  // namespace twogrid
