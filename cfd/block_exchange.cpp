@@ -1,0 +1,166 @@
+#include "block_exchange.h"
+
+#include <cstring>
+#include <type_traits>
+
+namespace twogrid {
+
+namespace {
+
+int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+
+template <class T>
+MPI_Datatype mpi_type() {
+  static_assert(sizeof(T) <= 8, "values of up to 8 bytes");
+  if constexpr (std::is_same_v<T, double>) return MPI_DOUBLE;
+  if constexpr (sizeof(T) == 8 && std::is_integral_v<T>) return MPI_INT64_T;
+  return MPI_BYTE;
+}
+template <class T>
+int mpi_count(std::size_t n) {
+  return int(mpi_type<T>() == MPI_BYTE ? n * sizeof(T) : n);
+}
+
+template <class T>
+void pack(const Array3<T>& a, const Box& b, T*& out) {
+  const int n = b.size(0);
+  for (int k = b.lo[2]; k < b.hi[2]; ++k)
+    for (int j = b.lo[1]; j < b.hi[1]; ++j, out += n) std::memcpy(out, &a.data()[a.index(b.lo[0], j, k)], n * sizeof(T));
+}
+
+template <class T>
+void unpack(Array3<T>& a, const Box& b, const T*& in, bool accumulate) {
+  const int n = b.size(0);
+  for (int k = b.lo[2]; k < b.hi[2]; ++k)
+    for (int j = b.lo[1]; j < b.hi[1]; ++j, in += n) {
+      T* row = &a.data()[a.index(b.lo[0], j, k)];
+      if (accumulate)
+        for (int i = 0; i < n; ++i) row[i] = T(row[i] + in[i]);
+      else
+        std::memcpy(row, in, n * sizeof(T));
+    }
+}
+
+}  // namespace
+
+BlockExchange::BlockExchange(MPI_Comm comm, const std::vector<Box>& owned, const std::vector<Box>& wanted,
+                             const Int3& period, const std::array<bool, 3>& periodic)
+    : comm_(comm) {
+  MPI_Comm_rank(comm, &rank_);
+  const int ranks = int(owned.size());
+  // Pieces of `want` that the owner of `own` holds: one per periodic image.
+  auto pieces = [&](const Box& own, const Box& want) {
+    std::vector<Piece> found;
+    if (own.empty() || want.empty()) return found;
+    Int3 first{0, 0, 0}, last{0, 0, 0};
+    for (int d = 0; d < 3; ++d)
+      if (periodic[d]) {
+        first[d] = floor_div(want.lo[d] - own.hi[d] + 1, period[d]);
+        last[d] = floor_div(want.hi[d] - 1 - own.lo[d], period[d]);
+      }
+    for (int c = first[2]; c <= last[2]; ++c)
+      for (int b = first[1]; b <= last[1]; ++b)
+        for (int a = first[0]; a <= last[0]; ++a) {
+          const Int3 shift{a * period[0], b * period[1], c * period[2]};
+          const Box hit = intersect(own, want.shifted({-shift[0], -shift[1], -shift[2]}));
+          if (!hit.empty()) found.push_back({hit, shift});
+        }
+    return found;
+  };
+  auto count = [](const std::vector<Piece>& p) {
+    std::size_t n = 0;
+    for (const Piece& x : p) n += x.owner.count();
+    return n;
+  };
+  for (int r = 0; r < ranks; ++r) {
+    if (r == rank_) {
+      self_ = pieces(owned[r], wanted[r]);
+      continue;
+    }
+    auto give = pieces(owned[rank_], wanted[r]);
+    if (!give.empty()) send_.push_back({r, give, count(give)});
+    auto take = pieces(owned[r], wanted[rank_]);
+    if (!take.empty()) receive_.push_back({r, take, count(take)});
+  }
+}
+
+template <class T>
+void BlockExchange::transfer(const std::vector<Peer>& from, const std::vector<Peer>& to,
+                             const std::vector<const Array3<T>*>& source, const std::vector<Array3<T>*>& target,
+                             bool to_window, bool accumulate, bool in_place) const {
+  // `to` peers get what they want out of `source`; `from` peers' values arrive in `target`. Peers are in rank order,
+  // so that sums don't depend on the order of arrival.
+  const std::size_t fields = source.size();
+  std::vector<std::vector<T>> out(to.size()), in(from.size());
+  std::vector<MPI_Request> request(to.size() + from.size());
+  constexpr int tag = 4711;
+  for (std::size_t p = 0; p < from.size(); ++p) {
+    in[p].resize(from[p].count * fields);
+    MPI_Irecv(in[p].data(), mpi_count<T>(in[p].size()), mpi_type<T>(), from[p].rank, tag, comm_, &request[p]);
+  }
+  auto window_box = [](const Piece& q) { return q.owner.shifted(q.shift); };
+  for (std::size_t p = 0; p < to.size(); ++p) {
+    out[p].resize(to[p].count * fields);
+    T* o = out[p].data();
+    for (const auto* a : source)
+      for (const Piece& q : to[p].pieces) pack(*a, to_window ? q.owner : window_box(q), o);
+    MPI_Isend(out[p].data(), mpi_count<T>(out[p].size()), mpi_type<T>(), to[p].rank, tag, comm_,
+              &request[from.size() + p]);
+  }
+  auto own_pieces = [&] {
+    std::vector<T> buffer;
+    for (std::size_t a = 0; a < fields; ++a)
+      for (const Piece& q : self_) {
+        const bool same_place = q.shift == Int3{0, 0, 0};
+        if (in_place && same_place) continue;
+        buffer.resize(q.owner.count());
+        T* o = buffer.data();
+        pack(*source[a], to_window ? q.owner : window_box(q), o);
+        const T* i = buffer.data();
+        unpack(*target[a], to_window ? window_box(q) : q.owner, i, accumulate);
+      }
+  };
+  bool own_done = false;
+  for (std::size_t p = 0; p < from.size(); ++p) {
+    if (!own_done && from[p].rank > rank_) own_pieces(), own_done = true;
+    MPI_Wait(&request[p], MPI_STATUS_IGNORE);
+    const T* i = in[p].data();
+    for (auto* a : target)
+      for (const Piece& q : from[p].pieces) unpack(*a, to_window ? window_box(q) : q.owner, i, accumulate);
+  }
+  if (!own_done) own_pieces();
+  MPI_Waitall(int(to.size()), request.data() + from.size(), MPI_STATUSES_IGNORE);
+}
+
+template <class T>
+void BlockExchange::bring(const std::vector<const Array3<T>*>& owner, const std::vector<Array3<T>*>& window) const {
+  transfer<T>(receive_, send_, owner, window, true, false, false);
+}
+
+template <class T>
+void BlockExchange::add(const std::vector<const Array3<T>*>& window, const std::vector<Array3<T>*>& owner) const {
+  transfer<T>(send_, receive_, window, owner, false, true, false);
+}
+
+template <class T>
+void BlockExchange::bring(const std::vector<Array3<T>*>& field) const {
+  std::vector<const Array3<T>*> source(field.begin(), field.end());
+  transfer<T>(receive_, send_, source, field, true, false, true);
+}
+
+std::size_t BlockExchange::bytes_per_value() const {
+  std::size_t n = 0;
+  for (const Peer& p : send_) n += p.count;
+  return 8 * n;
+}
+
+#define TWOGRID_INSTANTIATE(T)                                                                                        \
+  template void BlockExchange::bring<T>(const std::vector<const Array3<T>*>&, const std::vector<Array3<T>*>&) const; \
+  template void BlockExchange::add<T>(const std::vector<const Array3<T>*>&, const std::vector<Array3<T>*>&) const;   \
+  template void BlockExchange::bring<T>(const std::vector<Array3<T>*>&) const;
+TWOGRID_INSTANTIATE(double)
+TWOGRID_INSTANTIATE(long long)
+TWOGRID_INSTANTIATE(unsigned char)
+#undef TWOGRID_INSTANTIATE
+
+}  // namespace twogrid
