@@ -4,16 +4,16 @@
 namespace twogrid {
 
 /// Columns of the state that the coupling keeps with every particle. It migrates and restarts with the particle; a new
-/// particle's state is all zero.
+/// particle's state is all zero. The first ten columns are, in this order, what a user sees as the per-atom array f_ID.
 enum ParticleColumn {
-  kImpulse = 0,        ///< 0-2 momentum received from the fluid since the last coupling (kg m/s)
-  kDisplacement = 3,   ///< 3-5 path since the last coupling (m)
-  kPathVelocity = 6,   ///< 6-8 displacement / interval of the last coupling (m/s)
-  kFluidVelocity = 9,  ///< 9-11 u read at the last coupling (m/s)
-  kPressureForce = 12, ///< 12-14 -V_p grad p as read at the last coupling (N); zero in formulation B
-  kDragForce = 15,     ///< 15-17 drag of the current step (N)
-  kDragCoefficient = 18,  ///< 18 b_p (kg/s)
-  kVoidFraction = 19,     ///< 19 eps at the particle
+  kDragForce = 0,      ///< 0-2 drag of the current step (N)
+  kPressureForce = 3,  ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B
+  kVoidFraction = 6,   ///< 6 eps at the particle
+  kFluidVelocity = 7,  ///< 7-9 u read at the last coupling (m/s)
+  kImpulse = 10,       ///< 10-12 momentum received from the fluid since the last coupling (kg m/s)
+  kDisplacement = 13,  ///< 13-15 path since the last coupling (m)
+  kPathVelocity = 16,  ///< 16-18 displacement / interval of the last coupling (m/s)
+  kDragCoefficient = 19,  ///< 19 b_p (kg/s)
   kSeenVelocity = 20,     ///< 20-22 fluid velocity the drag of the last step was computed with (m/s)
   kNode = 23,             ///< 23 not kept: scratch
   kParticleColumns = 24
