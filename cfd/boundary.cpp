@@ -1,0 +1,321 @@
+#include "boundary.h"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace twogrid {
+
+const std::array<const char*, 6> kSideNames{"xlo", "xhi", "ylo", "yhi", "zlo", "zhi"};
+
+namespace {
+
+/// Index inside [0, n): wrapped where periodic, clamped elsewhere.
+int inside(int i, const Axis& axis) {
+  const int n = axis.n();
+  return axis.periodic() ? ((i % n) + n) % n : std::min(std::max(i, 0), n - 1);
+}
+
+bool covers(const PatchShape& s, const Vec3& x, int e, int f) {
+  switch (s.kind) {
+    case PatchShape::Kind::kWhole: return true;
+    case PatchShape::Kind::kRectangle:
+      return x[e] > s.value[0] && x[e] < s.value[1] && x[f] > s.value[2] && x[f] < s.value[3];
+    case PatchShape::Kind::kCircle: {
+      const double a = x[e] - s.value[0], b = x[f] - s.value[1];
+      return a * a + b * b < s.value[2] * s.value[2];
+    }
+    case PatchShape::Kind::kRegion: return s.inside(x);
+  }
+  return false;
+}
+
+/// Factor on the velocity whose mean over the patch is 1 (parabolic), or the table's.
+double profile_factor(const BoundaryCondition& c, const Vec3& x, int e, int f, const std::array<double, 4>& extent) {
+  const InletProfile& p = c.profile;
+  if (p.shape == InletProfile::Shape::kParabolic) {
+    if (c.shape.kind == PatchShape::Kind::kCircle) {
+      const double a = x[e] - c.shape.value[0], b = x[f] - c.shape.value[1], R = c.shape.value[2];
+      return 2 * (1 - (a * a + b * b) / (R * R));
+    }
+    double factor = 1;
+    for (int t = 0; t < 2; ++t) {
+      const int d = t == 0 ? e : f;
+      if (!p.across[d]) continue;
+      const double s = (x[d] - extent[2 * t]) / (extent[2 * t + 1] - extent[2 * t]);
+      factor *= 6 * s * (1 - s);
+    }
+    return factor;
+  }
+  if (p.shape == InletProfile::Shape::kTable) {
+    const auto& t = p.table;
+    const double s = x[p.coordinate];
+    if (s <= t.front()[0]) return t.front()[1];
+    for (std::size_t i = 1; i < t.size(); ++i)
+      if (s <= t[i][0]) return t[i - 1][1] + (t[i][1] - t[i - 1][1]) * (s - t[i - 1][0]) / (t[i][0] - t[i - 1][0]);
+    return t.back()[1];
+  }
+  return 1;
+}
+
+}  // namespace
+
+Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout, const FluidSettings& settings)
+    : grid_(grid), settings_(settings) {
+  int rank;
+  MPI_Comm_rank(comm, &rank);
+  const Box own = layout.cells(rank);
+  if (!own.empty()) local_ = own.grown(Fluid::kHalo);
+  for (int d = 0; d < 3; ++d) state_[d].reset(local_, FaceState::kSolved);
+
+  std::array<std::vector<int>, 6> covered;
+  for (int side = 0; side < 6; ++side) {
+    const auto& conditions = settings.side[side];
+    covered[side].assign(conditions.size(), 0);
+    for (const auto& c : conditions) velocity_[side].push_back(c.velocity);
+    SideData& s = side_[side];
+    s.d = direction(side);
+    const Axis& axis = grid.axis[s.d];
+    if (axis.periodic()) continue;
+    s.e = s.d == 0 ? 1 : 0;
+    s.f = s.d == 2 ? 1 : 2;
+    s.face = is_high(side) ? axis.n() : 0;
+    s.inner = is_high(side) ? axis.n() - 1 : 0;
+    s.step = is_high(side) ? -1 : 1;
+    s.here = !own.empty() && (is_high(side) ? own.hi[s.d] == axis.n() : own.lo[s.d] == 0);
+    if (s.here) {
+      s.own = own;
+      s.own.lo[s.d] = s.face;
+      s.own.hi[s.d] = s.face + 1;
+      s.lo_e = local_.lo[s.e], s.n_e = local_.size(s.e);
+      s.lo_f = local_.lo[s.f], s.n_f = local_.size(s.f);
+      const std::size_t count = std::size_t(s.n_e) * s.n_f;
+      s.condition.assign(count, 0);
+      s.profile.assign(count, 1.0);
+      s.normal.assign(count, 0.0);
+      for (auto* v : {&s.slope, &s.offset}) (*v)[0].assign(count, 0.0), (*v)[1].assign(count, 0.0);
+      for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
+        for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
+          Vec3 x;
+          const int ia = inside(a, grid.axis[s.e]), ib = inside(b, grid.axis[s.f]);
+          x[s.d] = axis.node(s.face);
+          x[s.e] = grid.axis[s.e].centre(ia);
+          x[s.f] = grid.axis[s.f].centre(ib);
+          const int m = s.at(a, b);
+          for (int c = 0; c < int(conditions.size()); ++c)
+            if (covers(conditions[c].shape, x, s.e, s.f)) s.condition[m] = c;
+          const bool mine = ia == a && ib == b && a >= own.lo[s.e] && a < own.hi[s.e] && b >= own.lo[s.f] && b < own.hi[s.f];
+          if (mine) ++covered[side][s.condition[m]];
+          const BoundaryCondition& c = conditions[s.condition[m]];
+          std::array<double, 4> extent = c.shape.value;
+          if (c.shape.kind != PatchShape::Kind::kRectangle)
+            extent = {grid.axis[s.e].lo(), grid.axis[s.e].hi(), grid.axis[s.f].lo(), grid.axis[s.f].hi()};
+          s.profile[m] = profile_factor(c, x, s.e, s.f, extent);
+        }
+    }
+    for (const auto& c : conditions) open_ = open_ || c.kind == BoundaryKind::kPressure;
+    if (!covered[side].empty())
+      MPI_Allreduce(MPI_IN_PLACE, covered[side].data(), int(covered[side].size()), MPI_INT, MPI_SUM, comm);
+    for (std::size_t c = 1; c < conditions.size(); ++c)
+      if (covered[side][c] == 0) {
+        std::ostringstream text;
+        text << "patch " << conditions[c].name << " on " << kSideNames[side]
+             << " holds no fine face's centre: 0 faces found, at least 1 wanted; enlarge the patch of 'boundary "
+             << kSideNames[side] << " patch' or refine 'fine'";
+        throw std::invalid_argument(text.str());
+      }
+  }
+  for (int d = 0; d < 3; ++d) {
+    const Axis& axis = grid.axis[d];
+    if (axis.n() == 1 && !axis.periodic()) {
+      bool outlet = false;
+      for (int side : {2 * d, 2 * d + 1})
+        for (const auto& c : settings.side[side])
+          outlet = outlet || c.kind == BoundaryKind::kPressure || c.kind == BoundaryKind::kInlet;
+      solved_[d] = outlet;
+    }
+  }
+  for (int side = 0; side < 6; ++side) {
+    const SideData& s = side_[side];
+    if (!s.here) continue;
+    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
+      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
+        Int3 c;
+        c[s.d] = s.face, c[s.e] = a, c[s.f] = b;
+        const bool outlet = settings.side[side][s.condition[s.at(a, b)]].kind == BoundaryKind::kPressure;
+        state_[s.d](c[0], c[1], c[2]) = outlet ? FaceState::kSolved : FaceState::kFixed;
+      }
+  }
+  update();
+}
+
+void Boundaries::update() {
+  for (int side = 0; side < 6; ++side) {
+    const auto& conditions = settings_.side[side];
+    for (std::size_t c = 0; c < conditions.size(); ++c)
+      velocity_[side][c] = conditions[c].velocity_now ? conditions[c].velocity_now() : conditions[c].velocity;
+    SideData& s = side_[side];
+    if (!s.here) continue;
+    for (std::size_t m = 0; m < s.normal.size(); ++m) {
+      const BoundaryCondition& c = conditions[s.condition[m]];
+      s.normal[m] = c.kind == BoundaryKind::kInlet ? velocity_[side][s.condition[m]][s.d] * s.profile[m] : 0.0;
+    }
+    set_tangential(s, side);
+  }
+}
+
+void Boundaries::set_tangential(SideData& s, int side) {
+  // A tangential velocity stands on the edge between two boundary faces. Where their conditions differ, one that
+  // prescribes a value wins over one that doesn't; two that prescribe are averaged.
+  const auto& conditions = settings_.side[side];
+  for (int t = 0; t < 2; ++t) {
+    const int dir = t == 0 ? s.e : s.f;
+    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
+      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
+        const int m = s.at(a, b);
+        const int below = t == 0 ? (a > s.lo_e ? s.at(a - 1, b) : m) : (b > s.lo_f ? s.at(a, b - 1) : m);
+        double sum = 0;
+        int prescribed = 0;
+        for (int q : {m, below}) {
+          const BoundaryCondition& c = conditions[s.condition[q]];
+          if (c.kind == BoundaryKind::kNoSlip || c.kind == BoundaryKind::kInlet) {
+            const double factor = c.kind == BoundaryKind::kInlet ? s.profile[q] : 1.0;
+            sum += velocity_[side][s.condition[q]][dir] * factor;
+            ++prescribed;
+          }
+        }
+        s.slope[t][m] = prescribed ? -1.0 : 1.0;
+        s.offset[t][m] = prescribed ? 2.0 * sum / prescribed : 0.0;
+      }
+  }
+}
+
+void Boundaries::apply_normal(FaceField<FineGrid>& u, bool homogeneous) const {
+  const double on = homogeneous ? 0.0 : 1.0;
+  for (const SideData& s : side_) {
+    if (!s.here) continue;
+    const auto& state = state_[s.d];
+    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
+      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
+        Int3 c;
+        c[s.d] = s.face, c[s.e] = a, c[s.f] = b;
+        if (state(c[0], c[1], c[2]) == FaceState::kFixed) u[s.d](c[0], c[1], c[2]) = on * s.normal[s.at(a, b)];
+      }
+  }
+}
+
+void Boundaries::apply(FaceField<FineGrid>& u, bool homogeneous) const {
+  apply_normal(u, homogeneous);
+  const double on = homogeneous ? 0.0 : 1.0;
+  for (const SideData& s : side_) {
+    if (!s.here) continue;
+    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
+      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
+        const int m = s.at(a, b);
+        Int3 c;
+        c[s.e] = a, c[s.f] = b;
+        // Normal component: constant beyond the boundary face.
+        c[s.d] = s.face;
+        const double un = u[s.d](c[0], c[1], c[2]);
+        for (int g = 1; g <= Fluid::kHalo; ++g) {
+          c[s.d] = s.face - s.step * g;
+          if (c[s.d] >= local_.lo[s.d] && c[s.d] < local_.hi[s.d]) u[s.d](c[0], c[1], c[2]) = un;
+        }
+        for (int t = 0; t < 2; ++t) {
+          auto& v = u[t == 0 ? s.e : s.f];
+          for (int g = 0; g < Fluid::kHalo; ++g) {
+            Int3 in = c, out = c;
+            in[s.d] = s.inner + s.step * g;
+            out[s.d] = s.inner - s.step * (1 + g);
+            if (in[s.d] < local_.lo[s.d] || in[s.d] >= local_.hi[s.d]) in[s.d] = s.inner;
+            v(out[0], out[1], out[2]) = s.slope[t][m] * v(in[0], in[1], in[2]) + on * s.offset[t][m];
+          }
+        }
+      }
+  }
+}
+
+void Boundaries::apply_pressure(CellField<FineGrid>& p, const FaceField<FineGrid>& u, double density) const {
+  for (int side = 0; side < 6; ++side) {
+    const SideData& s = side_[side];
+    if (!s.here) continue;
+    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
+      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
+        const BoundaryCondition& c = settings_.side[side][s.condition[s.at(a, b)]];
+        Int3 in, out, face;
+        in[s.e] = out[s.e] = face[s.e] = a, in[s.f] = out[s.f] = face[s.f] = b;
+        in[s.d] = s.inner, out[s.d] = s.inner - s.step, face[s.d] = s.face;
+        const double p_in = p(in[0], in[1], in[2]);
+        double ghost = p_in;
+        if (c.kind == BoundaryKind::kPressure) {
+          const double inward = s.step * u[s.d](face[0], face[1], face[2]);
+          const double p_face = c.pressure - (inward > 0 ? 0.5 * density * inward * inward : 0.0);
+          ghost = 2 * p_face - p_in;
+        }
+        p(out[0], out[1], out[2]) = ghost;
+      }
+  }
+}
+
+void Boundaries::apply_correction(CellField<FineGrid>& phi) const {
+  for (int side = 0; side < 6; ++side) {
+    const SideData& s = side_[side];
+    if (!s.here) continue;
+    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
+      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
+        Int3 in, out;
+        in[s.e] = out[s.e] = a, in[s.f] = out[s.f] = b;
+        in[s.d] = s.inner, out[s.d] = s.inner - s.step;
+        const bool outlet = settings_.side[side][s.condition[s.at(a, b)]].kind == BoundaryKind::kPressure;
+        phi(out[0], out[1], out[2]) = (outlet ? -1.0 : 1.0) * phi(in[0], in[1], in[2]);
+      }
+  }
+}
+
+void Boundaries::apply_face_eps(FaceField<FineGrid>& eps_f) const {
+  for (int side = 0; side < 6; ++side) {
+    const SideData& s = side_[side];
+    if (!s.here) continue;
+    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
+      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
+        if (settings_.side[side][s.condition[s.at(a, b)]].kind != BoundaryKind::kInlet) continue;
+        Int3 c;
+        c[s.d] = s.face, c[s.e] = a, c[s.f] = b;
+        eps_f[s.d](c[0], c[1], c[2]) = 1.0;
+      }
+  }
+}
+
+BoundaryKind Boundaries::kind(int side, int i, int j, int k) const {
+  const SideData& s = side_[side];
+  const Int3 c{i, j, k};
+  return settings_.side[side][s.condition[s.at(c[s.e], c[s.f])]].kind;
+}
+
+std::vector<PatchArea> Boundaries::areas(MPI_Comm comm) const {
+  std::vector<PatchArea> list;
+  std::vector<double> sums;
+  for (int side = 0; side < 6; ++side) {
+    const SideData& s = side_[side];
+    for (int c = 0; c < int(settings_.side[side].size()); ++c) {
+      if (settings_.side[side][c].kind != BoundaryKind::kInlet) continue;
+      double area = 0, flux = 0;
+      for_each_face(side, [&](int, int i, int j, int k) {
+        const Int3 q{i, j, k};
+        const int m = s.at(q[s.e], q[s.f]);
+        if (s.condition[m] != c) return;
+        const double A = grid_.area(s.d, i, j, k);
+        area += A;
+        flux += s.step * s.normal[m] * A;
+      });
+      list.push_back({settings_.side[side][c].name, side, 0, 0});
+      sums.push_back(area);
+      sums.push_back(flux);
+    }
+  }
+  if (!sums.empty()) MPI_Allreduce(MPI_IN_PLACE, sums.data(), int(sums.size()), MPI_DOUBLE, MPI_SUM, comm);
+  for (std::size_t i = 0; i < list.size(); ++i) list[i].area = sums[2 * i], list[i].flux = sums[2 * i + 1];
+  return list;
+}
+
+}  // namespace twogrid

@@ -1,0 +1,62 @@
+// The terms of the momentum balance on the staggered volumes of a tensor-product grid. The volume of face f normal to c
+// reaches from the centre of cell f-1 to that of cell f; at a pressure outlet only the half inside the domain counts.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "field.h"
+#include "fluid_settings.h"
+#include "grid.h"
+
+namespace twogrid {
+
+/// One-dimensional measures of an axis, by index, including the halo.
+struct AxisMeasure {
+  int lo = 0;
+  std::vector<double> width_, face_width_, half_below_, half_above_;
+  double width(int i) const { return width_[i - lo]; }            ///< of cell i, m
+  double face_width(int i) const { return face_width_[i - lo]; }  ///< between centres of cells i-1 and i, m
+  double half_below(int i) const { return half_below_[i - lo]; }  ///< part of face i's volume in cell i-1 (0 outside)
+  double half_above(int i) const { return half_above_[i - lo]; }  ///< part of face i's volume in cell i (0 outside)
+};
+
+class Momentum {
+ public:
+  /// own: the rank's cells; local: own cells and halo. faces[d]: the rank's own faces.
+  Momentum(const FineGrid& grid, const Box& own, const Box& local, const std::array<Box, 3>& faces);
+
+  /// eps on faces: volume-weighted arithmetic mean of the two cells, so that sums over cells and faces agree.
+  void face_mean(const CellField<FineGrid>& eps, FaceField<FineGrid>& eps_f) const;
+  /// out -= rho sum over the volume's faces of (F u), N. F = eps u of all faces (superficial velocity, halo filled),
+  /// u with halo and ghosts. van Leer (1974) limited, or central.
+  void convect(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& u, Convection scheme,
+               FaceField<FineGrid>& out);
+  /// out += integral of div(eps tau), tau = mu (grad u + grad u^T - 2/3 div u I), N.
+  void viscous(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
+  /// Diagonal of -viscous, approximately (for Jacobi), N s/m.
+  void viscous_diagonal(double mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
+  /// Volume of face (i,j,k) normal to c, m3.
+  double volume(int c, int i, int j, int k) const {
+    const Int3 q{i, j, k};
+    const int e = (c + 1) % 3, f = (c + 2) % 3;
+    return (axis_[c].half_below(q[c]) + axis_[c].half_above(q[c])) * axis_[e].width(q[e]) * axis_[f].width(q[f]);
+  }
+  const AxisMeasure& axis(int d) const { return axis_[d]; }
+
+ private:
+  template <int c, int d>
+  void convect_part(double rho, const FaceField<FineGrid>& F, const FaceComponent<FineGrid>& u, bool limited,
+                    FaceComponent<FineGrid>& out);
+
+  Box own_, local_;
+  std::array<Box, 3> faces_;
+  std::array<AxisMeasure, 3> axis_;
+  std::array<bool, 3> periodic_;
+  Int3 n_;
+  Array3<double> flux_;                     // scratch: flux through the low side of each volume
+  std::array<Array3<double>, 3> normal_;    // scratch: eps tau_cc A-less, in cells
+  std::array<Array3<double>, 3> shear_;     // scratch: eps tau_yz, tau_xz, tau_xy on edges
+};
+
+}  // namespace twogrid
