@@ -53,6 +53,10 @@ class Fluid {
   virtual const CellField<FineGrid>& pressure() const = 0;
   virtual const CellField<FineGrid>& void_fraction() const = 0;
   virtual double time() const = 0;
+  /// eps u on own faces (m/s) and d(eps)/dt - q of own cells (1/s) as the continuity of the last step was solved; null
+  /// where a fluid doesn't keep them.
+  virtual const FaceField<FineGrid>* last_flux() const { return nullptr; }
+  virtual const CellField<FineGrid>* last_dilation() const { return nullptr; }
 
   /// Sets eps of the initial state, and forgets history. Collective.
   virtual void start(const CellField<FineGrid>& eps) = 0;
