@@ -8,6 +8,11 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
+// eps_s; never below zero, because eps may exceed 1 by a rounding and some laws take roots of eps_s.
+double solid(double eps) {
+  return std::max(0.0, 1 - eps);
+}
+
 // C_D Re / 24 of a lone sphere: the drag over its Stokes value.
 //   C_D = 24/Re (1 + 0.15 Re^0.687) for Re < 1000, else 0.44                    (Schiller & Naumann 1935; Newton)
 // The two branches miss each other by 0.4 % at Re = 1000, upwards.
@@ -40,7 +45,7 @@ double schiller_naumann(double eps, double Re, double) {
 // A pressure drop is the total force per volume; drag is eps times it, beta = eps^2 (dp/L) / U:
 //   beta = 150 eps_s^2 mu / (eps d^2) + 1.75 eps_s rho_f |u - v| / d,   F = (150 eps_s + 1.75 Re) / (18 eps^2)
 double ergun(double eps, double Re, double) {
-  return (150 * (1 - eps) + 1.75 * Re) / (18 * eps * eps);
+  return (150 * solid(eps) + 1.75 * Re) / (18 * eps * eps);
 }
 
 // Wen & Yu (1966), with the exponent 2.65 that is in general use (their own eps^-4.7 for the total force is rounded to
@@ -64,7 +69,7 @@ double ergun_wen_yu(double eps, double Re, double y) {
 //   psi = max(0, 1/2 + 1/2 atan(150 * 1.75 (0.2 - eps_s)) / atan(150 * 1.75 * 0.2))
 // so that a lone particle feels Wen & Yu and a packed bed Ergun, exactly. This rescaling is ours.
 double ergun_wen_yu_rescaled(double eps, double Re, double y) {
-  constexpr double kAtanEnd = 1.5517510202347803;  // atan(52.5)
+  constexpr double kAtanEnd = 1.5517510108128802;  // atan(52.5)
   const double psi = std::max(0.0, 0.5 + 0.5 * std::atan(150 * 1.75 * (0.2 - (1 - eps))) / kAtanEnd);
   return (1 - psi) * ergun(eps, Re, y) + psi * wen_yu(eps, Re, y);
 }
@@ -92,9 +97,11 @@ double di_felice(double eps, double Re, double) {
 //        for eps_s < 0.4,  10 eps_s / eps^3 above (they differ by 1 % at 0.4)
 //   F3 = 0.0673 + 0.212 eps_s + 0.0232 / eps^5
 // Re_a is superficial but by RADIUS: Re_a = Re/2. F_HKL is the TOTAL force over 6 pi mu a U (10 eps_s/eps^3 is Carman's
-// pressure drop), so F = eps F_HKL. F3 Re_a belongs to moderate Re_a; as is usual it is kept down to Re_a = 0.
+// pressure drop), so F = eps F_HKL. Hill, Koch & Ladd's own fit has 17.14 in place of 16.14 and blends towards
+// 10 eps_s/eps^3; the simple form is what CFD-DEM codes use. F3 Re_a belongs to moderate Re_a; as is usual it is kept
+// down to Re_a = 0.
 double koch_hill(double eps, double Re, double) {
-  const double s = 1 - eps;
+  const double s = solid(eps);
   const double s_ln_s = s > 0 ? s * std::log(s) : 0;
   const double F0 = s < 0.4 ? (1 + 3 * std::sqrt(s / 2) + 135.0 / 64 * s_ln_s + 16.14 * s) /
                                   (1 + s * (0.681 + s * (-8.48 + s * 8.16)))
@@ -109,19 +116,23 @@ double koch_hill(double eps, double Re, double) {
 // Superficial Re by diameter. Their F is drag alone over 3 pi mu d U (they give the total force as drag/eps): as ours.
 // The last term is written with k = (1 + 4 eps_s)/2, both sides of its fraction times Re^k, so that it is 0 at Re = 0.
 double beetstra(double eps, double Re, double) {
-  const double s = 1 - eps;
+  const double s = solid(eps);
   const double Re_k = std::pow(Re, 0.5 + 2 * s);
   const double inertia =
       (Re * (1 / eps + 3 * s * eps) + 8.4 * std::pow(Re, 0.657)) * Re_k / (Re_k + std::pow(10.0, 3 * s));
   return 10 * s / (eps * eps) + eps * eps * (1 + 1.5 * std::sqrt(s)) + 0.413 / (24 * eps * eps) * inertia;
 }
 
-// The same for a mixture (van der Hoef, Beetstra & Kuipers 2005; Beetstra et al. 2007):
-//   F_i = (eps y + eps_s y^2 + 0.064 eps y^3) F(eps, <Re>),   y = d_i/<d>,   <Re> by the Sauter mean diameter = Re/y
-// F_i is drag over 3 pi mu d_i U. At y = 1 the factor is 1 + 0.064 eps, not 1: the y^3 term was fitted to size ratios
-// far from one.
+// The same for a mixture. The TOTAL force on a sphere of size y = d_i/<d>, times eps, is (van der Hoef, Beetstra &
+// Kuipers 2005; Beetstra et al. 2007)
+//   (eps y + eps_s y^2 + 0.064 eps y^3) F(eps, <Re>) * 3 pi mu d_i U,   <Re> by the Sauter mean diameter = Re/y.
+// Its y^2 term is -V_p grad p: with -grad p = 3 pi mu U F sum n_k d_k^2 / (eps <d>) it is eps_s y^2 F / eps. What is
+// left is the drag,
+//   F_i = (y + 0.064 y^3) F(eps, <Re>)
+// (the erratum of Beetstra et al. 2007 makes the same distinction). At y = 1 the factor is 1.064, not 1: the y^3 term
+// was fitted to size ratios far from one. Its own small share in grad p is neglected here.
 double beetstra_poly(double eps, double Re, double y) {
-  return y * (eps + y * ((1 - eps) + 0.064 * eps * y)) * beetstra(eps, Re / y, 1);
+  return y * (1 + 0.064 * y * y) * beetstra(eps, Re / y, 1);
 }
 
 // Tenneti, Garg & Subramaniam (2011):
@@ -129,12 +140,12 @@ double beetstra_poly(double eps, double Re, double y) {
 // C_D of the lone sphere above; superficial Re by diameter. Their force holds the mean pressure gradient's share (at
 // eps_s = 0.4, Re = 0: 18.1 against Carman's total 18.5 and drag 11.1), so F = eps F_T.
 double tenneti(double eps, double Re, double) {
-  const double s = 1 - eps, s3 = s * s * s, eps2 = eps * eps;
+  const double s = solid(eps), s3 = s * s * s, eps2 = eps * eps;
   return (lone_sphere(Re) + 5.81 * s) / eps2 + 0.48 * std::cbrt(s) / (eps2 * eps) +
          eps * s3 * Re * (0.95 + 0.61 * s3 / eps2);
 }
 
-// Syamlal & O'Brien (1987; MFIX theory guide 1993):
+// Syamlal & O'Brien (1987), printed in Syamlal, Rogers & O'Brien (1993), eqs 11-16:
 //   beta = 3/4 C_D eps_s eps rho_f |u - v| / (V_r^2 d),   C_D = (0.63 + 4.8 (V_r/Re_i)^1/2)^2
 //   V_r  = 1/2 (A - 0.06 Re_i + ((0.06 Re_i)^2 + 0.12 Re_i (2 B - A) + A^2)^1/2)
 //   A = eps^4.14,   B = 0.8 eps^1.28 for eps <= 0.85, eps^2.65 above
@@ -162,9 +173,10 @@ constexpr DragLaw kLaws[] = {
     {"gidaspow", ergun_wen_yu_jump, "Gidaspow 1994; the same as ergun/wenyu/jump"},
     {"kochhill", koch_hill, "Koch & Hill 2001; Hill, Koch & Ladd 2001"},
     {"beetstra", beetstra, "Beetstra, van der Hoef & Kuipers 2007"},
-    {"beetstra/poly", beetstra_poly, "Beetstra, van der Hoef & Kuipers 2007; van der Hoef et al. 2005"},
+    {"beetstra/poly", beetstra_poly, "Beetstra, van der Hoef & Kuipers 2007 with erratum; van der Hoef et al. 2005"},
     {"tenneti", tenneti, "Tenneti, Garg & Subramaniam 2011"},
-    {"syamlal", syamlal_obrien, "Syamlal & O'Brien 1987; Garside & Al-Dibouni 1977; Dalla Valle 1948"},
+    {"syamlal", syamlal_obrien,
+     "Syamlal & O'Brien 1987 as in Syamlal, Rogers & O'Brien 1993; Garside & Al-Dibouni 1977; Dalla Valle 1948"},
     {"schiller/naumann", schiller_naumann, "Schiller & Naumann 1935"},
     {"stokes", stokes, "Stokes 1851"},
 };
