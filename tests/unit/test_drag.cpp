@@ -343,9 +343,8 @@ TEST(Drag, ForceGrowsWithSlip) {
     }
 }
 
-// Without it, size classes could be mixed up: the force shares of a mixture must add up to the pressure drop. With the
-// y^3 term left out (it is the sources' own correction), sum n_i d_i y_i = sum n d^2/<d>, and drag = eps_s-weighted
-// -eps grad p. Here: factor of F at one <Re>, y + 0.064 y^3, for classes whose own Re is y <Re>.
+// Without it, size classes could take their own Re in place of the mixture's, or the printed factor of the total force
+// could be used for the drag: too large by eps_s y^2 F, which a caller of formulation A would count twice.
 TEST(Drag, PolydisperseForceFollowsTheSizeAtTheMixturesReynoldsNumber) {
   for (double eps : {0.4, 0.7})
     for (double mean_Re : {0.0, 5.0, 200.0})
