@@ -1,5 +1,6 @@
-// div( c grad phi ) = b on the fine grid: conjugate gradients (PETSc KSP, options prefix -fluid_pressure_) preconditioned
-// by a geometric multigrid that semi-coarsens, so that thin, stretched and odd-sized grids converge alike.
+// div( c grad phi ) = b on the fine grid: conjugate gradients (PETSc KSP, options prefix -fluid_pressure_)
+// preconditioned by a geometric multigrid that semi-coarsens, so that thin, stretched and odd-sized grids converge
+// alike.
 #pragma once
 
 #include <mpi.h>
@@ -24,10 +25,14 @@ class PressureSolver {
   /// singular: no boundary face has c > 0 (phi is defined up to a constant; mean zero is returned).
   void set_operator(const FaceField<FineGrid>& conductance, bool singular);
 
-  /// Solves  sum over faces of conductance (phi_neighbour - phi_cell) = b  for own cells; b is an integral over the cell.
-  /// phi on entry: first guess, on return: the solution, own cells only (its halo is not filled).
- 
-  /// Throws std::runtime_error with a sentence on all ranks when it doesn't converge. Collective.
+  /// Solves  sum over faces of conductance (phi_neighbour - phi_cell) = b  for own cells; b is an integral over the
+  /// cell. phi on entry: first guess, on return: the solution, own cells only (its halo is not filled). Stops at |b - A
+  /// phi|_2 <= max(rtol |b|_2, atol); also where rounding alone leaves more than that, i.e. at 4 machine epsilons of
+  /// |b|_2 + |diag(A) phi|_2. Below 1e-8 |b|_2 the residual is recomputed, not the one of the recurrence. rtol: the
+  /// constructor's, or -fluid_pressure_rtol, or -fluid_pressure_ksp_rtol. singular: the sum of b must be within 1e-6 of
+  /// the sum of |b| or, over the square root of the number of cells, within atol; it is spread out evenly. Give an atol
+  /// wherever b may be round-off alone. Returns the number of iterations. Throws std::runtime_error with a sentence on
+  /// all ranks when it doesn't converge. Collective.
   int solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol = 0);
 
  private:

@@ -1,0 +1,460 @@
+#include "multigrid.h"
+
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <cmath>
+
+namespace twogrid {
+
+namespace {
+
+/// One direction of a level: nodes, and where bricks begin and end.
+struct Line {
+  std::vector<double> node;
+  std::vector<int> cut;
+
+  int n() const { return int(node.size()) - 1; }
+  /// Between the centres of cells i and i + 1.
+  double distance(int i) const { return 0.5 * (node[i + 2] - node[i]); }
+};
+
+/// Parent of each cell when neighbours of one brick are merged in pairs up to a distance.
+std::vector<int> merge(const Line& line, double distance) {
+  std::vector<int> parent(line.n());
+  int next = 0;
+  for (std::size_t c = 0; c + 1 < line.cut.size(); ++c)
+    for (int i = line.cut[c]; i < line.cut[c + 1]; ++i, ++next) {
+      parent[i] = next;
+      if (i + 1 < line.cut[c + 1] && line.distance(i) <= distance) parent[++i] = next;
+    }
+  return parent;
+}
+
+/// Smallest distance of two neighbours of one brick; infinite if no brick has two cells.
+double closest(const Line& line) {
+  double d = INFINITY;
+  for (std::size_t c = 0; c + 1 < line.cut.size(); ++c)
+    for (int i = line.cut[c]; i + 1 < line.cut[c + 1]; ++i) d = std::min(d, line.distance(i));
+  return d;
+}
+
+Line coarse_line(const Line& fine, const std::vector<int>& parent) {
+  Line coarse;
+  for (int i = 0; i < fine.n(); ++i)
+    if (i == 0 || parent[i] != parent[i - 1]) coarse.node.push_back(fine.node[i]);
+  coarse.node.push_back(fine.node.back());
+  for (int c : fine.cut) coarse.cut.push_back(c == fine.n() ? coarse.n() : parent[c]);
+  return coarse;
+}
+
+using Lines = std::array<Line, 3>;
+using Parents = std::array<std::vector<int>, 3>;
+
+/// The pairs of the next level, or empty lists when no two cells may be merged.
+Parents choose_pairs(const Lines& lines, double stretch, double shrink) {
+  double distance = INFINITY;
+  for (const Line& line : lines) distance = std::min(distance, closest(line));
+  if (!std::isfinite(distance)) return {};
+  distance *= stretch;
+  double longest = 0;
+  for (const Line& line : lines) longest = std::max(longest, line.node.back() - line.node.front());
+  for (;; distance *= 1.25) {
+    Parents parents;
+    double left = 1;
+    for (int d = 0; d < 3; ++d) {
+      parents[d] = merge(lines[d], distance);
+      left *= (parents[d].back() + 1.0) / lines[d].n();
+    }
+    if (left <= shrink || distance > longest) return parents;
+  }
+}
+
+}  // namespace
+
+template <class T>
+struct Multigrid<T>::Level {
+  Box own;
+  Int3 n;
+  std::array<bool, 3> periodic;
+  std::vector<Box> all;  // of all ranks
+  FaceHalo halo;
+  bool odd_seam = false;       // an odd number of cells around a period: neighbours of one colour meet there
+  std::array<Array3<T>, 3> g;  // of the low face
+  Array3<T> dinv, x, b;
+  // To the next level, by index of an own cell minus own.lo:
+  std::array<std::vector<int>, 3> parent;  // its parent's global index
+  std::array<std::vector<int>, 3> side;    // where the second parent of the interpolation lies: -1, 1, or 0: no second
+  std::array<bool, 3> pair_below;          // the cell below own.lo has been merged with the one below it
+  std::array<Array3<T>, 3> w;              // the second parent's weight
+
+  Level(MPI_Comm comm, int rank, std::vector<Box> boxes, Int3 extent, std::array<bool, 3> wrap)
+      : own(boxes[rank]), n(extent), periodic(wrap), all(std::move(boxes)), halo(comm, all, n, wrap) {
+    for (int d = 0; d < 3; ++d) odd_seam = odd_seam || (wrap[d] && n[d] % 2 == 1 && n[d] > 1);
+    const Box box = own.empty() ? Box{} : own.grown(1);
+    for (auto& a : g) a.reset(box);
+    dinv.reset(box);
+    x.reset(box);
+    b.reset(box);
+  }
+
+  /// Calls f(j, k, first cell of the colour, memory index of i = 0).
+  template <class F>
+  void rows(int colour, F&& f) const {
+    if (own.empty()) return;
+    for (int k = own.lo[2]; k < own.hi[2]; ++k)
+      for (int j = own.lo[1]; j < own.hi[1]; ++j)
+        f(j, k, own.lo[0] + ((own.lo[0] + j + k + colour) & 1), x.index(0, j, k));
+  }
+
+  /// A direction in which the only neighbour is the cell itself has no flux; after this dinv is 1 / sum of g.
+  void finish_operator() {
+    for (int d = 0; d < 3; ++d)
+      if (periodic[d] && n[d] == 1) g[d].fill(0);
+    if (own.empty()) return;
+    const T *gx = g[0].data(), *gy = g[1].data(), *gz = g[2].data();
+    T* di = dinv.data();
+    const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
+    for (int k = own.lo[2]; k < own.hi[2]; ++k)
+      for (int j = own.lo[1]; j < own.hi[1]; ++j) {
+        const std::ptrdiff_t m0 = x.index(0, j, k);
+        for (std::ptrdiff_t m = m0 + own.lo[0]; m < m0 + own.hi[0]; ++m) {
+          const T sum = gx[m] + gx[m + 1] + gy[m] + gy[m + sy] + gz[m] + gz[m + sz];
+          di[m] = sum > 0 ? T(1) / sum : T(0);
+        }
+      }
+  }
+
+  /// x = b / diagonal on one colour: a Gauss-Seidel half sweep that starts from zero.
+  void start(int colour) {
+    const T *di = dinv.data(), *bb = b.data();
+    T* xx = x.data();
+    rows(colour, [&](int, int, int first, std::ptrdiff_t m0) {
+      for (std::ptrdiff_t m = m0 + first; m < m0 + own.hi[0]; m += 2) xx[m] = di[m] * bb[m];
+    });
+  }
+
+  void smooth(int colour) {
+    const T *gx = g[0].data(), *gy = g[1].data(), *gz = g[2].data(), *di = dinv.data(), *bb = b.data();
+    T* xx = x.data();
+    const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
+    rows(colour, [&](int, int, int first, std::ptrdiff_t m0) {
+      for (std::ptrdiff_t m = m0 + first; m < m0 + own.hi[0]; m += 2)
+        xx[m] = di[m] *
+                (bb[m] + ((gx[m] * xx[m - 1] + gx[m + 1] * xx[m + 1]) + (gy[m] * xx[m - sy] + gy[m + sy] * xx[m + sy]) +
+                          (gz[m] * xx[m - sz] + gz[m + sz] * xx[m + sz])));
+    });
+  }
+
+  /// coarse.b += P^T (b - A x), of the cells of one colour; contributions to other ranks' cells stay in coarse.b's
+  /// halo.
+  void restrict_residual(int colour, Level& coarse) const {
+    const T *gx = g[0].data(), *gy = g[1].data(), *gz = g[2].data(), *bb = b.data(), *xx = x.data();
+    const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
+    T* cb = coarse.b.data();
+    rows(colour, [&](int j, int k, int first, std::ptrdiff_t m0) {
+      const std::ptrdiff_t c0 = coarse.b.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
+      const std::ptrdiff_t oy = side[1][j - own.lo[1]] * coarse.b.stride(1),
+                           oz = side[2][k - own.lo[2]] * coarse.b.stride(2);
+      for (int i = first; i < own.hi[0]; i += 2) {
+        const std::ptrdiff_t m = m0 + i;
+        const T c = xx[m];
+        const T r = bb[m] + ((gx[m] * (xx[m - 1] - c) + gx[m + 1] * (xx[m + 1] - c)) +
+                             (gy[m] * (xx[m - sy] - c) + gy[m + sy] * (xx[m + sy] - c)) +
+                             (gz[m] * (xx[m - sz] - c) + gz[m + sz] * (xx[m + sz] - c)));
+        const std::ptrdiff_t p = c0 + parent[0][i - own.lo[0]];
+        const T rx = w[0].data()[m] * r, ry = w[1].data()[m] * r, rz = w[2].data()[m] * r;
+        cb[p] += r - (rx + ry + rz);
+        cb[p + side[0][i - own.lo[0]]] += rx;
+        cb[p + oy] += ry;
+        cb[p + oz] += rz;
+      }
+    });
+  }
+
+  /// x += P coarse.x on the cells of one colour.
+  void prolong(int colour, const Level& coarse) {
+    const T* cx = coarse.x.data();
+    T* xx = x.data();
+    rows(colour, [&](int j, int k, int first, std::ptrdiff_t m0) {
+      const std::ptrdiff_t c0 = coarse.x.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
+      const std::ptrdiff_t oy = side[1][j - own.lo[1]] * coarse.x.stride(1),
+                           oz = side[2][k - own.lo[2]] * coarse.x.stride(2);
+      for (int i = first; i < own.hi[0]; i += 2) {
+        const std::ptrdiff_t m = m0 + i, p = c0 + parent[0][i - own.lo[0]];
+        const T c = cx[p];
+        xx[m] += c + ((w[0].data()[m] * (cx[p + side[0][i - own.lo[0]]] - c) + w[1].data()[m] * (cx[p + oy] - c)) +
+                      w[2].data()[m] * (cx[p + oz] - c));
+      }
+    });
+  }
+};
+
+/// The smallest level, gathered on every rank and solved by a sparse LDL^T there. A diagonal raised by 1e-10 keeps it
+/// definite where cells are cut off from all boundaries; where the whole grid is (singular), means are taken out.
+template <class T>
+class Multigrid<T>::Coarsest {
+ public:
+  Coarsest(MPI_Comm comm, const Level& level) : comm_(comm) {
+    int ranks = 0;
+    MPI_Comm_size(comm, &ranks);
+    Array3<int> number(Box{{0, 0, 0}, level.n}, 0);
+    for (const Box& box : level.all) {
+      first_.push_back(total_);
+      count_.push_back(int(box.count()));
+      for_each(box, [&](int i, int j, int k) { number(i, j, k) = total_++; });
+    }
+    for (const Box& box : level.all)
+      for_each(box, [&](int i, int j, int k) {
+        Int3 c{i, j, k};
+        for (int d = 0; d < 3; ++d) {
+          Int3 low = c;
+          low[d] = c[d] > 0 ? c[d] - 1 : level.periodic[d] ? level.n[d] - 1 : -1;
+          neighbour_.push_back(low[d] < 0 || low == c ? -1 : number(low[0], low[1], low[2]));
+        }
+      });
+    MPI_Comm_rank(comm, &rank_);
+    mine_.resize(4 * count_[rank_]);
+    all_.resize(4 * total_);
+    for (int r = 0; r < ranks; ++r) first4_.push_back(4 * first_[r]), count4_.push_back(4 * count_[r]);
+    entry_.reserve(7 * total_);
+    matrix_.resize(total_, total_);
+    rhs_.resize(total_);
+    solution_.resize(total_);
+  }
+
+  void set_operator(const Level& l, bool singular) {
+    singular_ = singular;
+    double* out = mine_.data();
+    for_each(l.own, [&](int i, int j, int k) {
+      for (int d = 0; d < 3; ++d) *out++ = double(l.g[d](i, j, k));
+      double sum = 0;
+      for (int d = 0; d < 3; ++d)
+        sum += double(l.g[d](i, j, k)) + double(l.g[d].data()[l.g[d].index(i, j, k) + l.g[d].stride(d)]);
+      *out++ = sum;
+    });
+    gather(mine_.data(), count4_, first4_, all_.data());
+    double scale = 0;
+    for (int c = 0; c < total_; ++c) scale = std::max(scale, all_[4 * c + 3]);
+    if (scale == 0) scale = 1;
+    entry_.clear();
+    for (int c = 0; c < total_; ++c) {
+      const double* g = &all_[4 * c];
+      entry_.emplace_back(c, c, g[3] * (1 + 1e-10) + 1e-14 * scale);
+      for (int d = 0; d < 3; ++d) {
+        const int nb = neighbour_[3 * c + d];
+        if (nb < 0) continue;
+        entry_.emplace_back(std::max(c, nb), std::min(c, nb), -g[d]);
+      }
+    }
+    matrix_.setFromTriplets(entry_.begin(), entry_.end());
+    if (!analysed_) factor_.analyzePattern(matrix_), analysed_ = true;
+    factor_.factorize(matrix_);
+  }
+
+  void solve(Level& l) {
+    double* out = mine_.data();
+    for_each(l.own, [&](int i, int j, int k) { *out++ = double(l.b(i, j, k)); });
+    gather(mine_.data(), count_, first_, rhs_.data());
+    if (singular_) rhs_.array() -= rhs_.mean();
+    solution_ = factor_.solve(rhs_);
+    if (singular_) solution_.array() -= solution_.mean();
+    int m = first_[rank_];
+    for_each(l.own, [&](int i, int j, int k) { l.x(i, j, k) = T(solution_[m++]); });
+  }
+
+ private:
+  void gather(const double* own, const std::vector<int>& count, const std::vector<int>& first, double* all) const {
+    MPI_Allgatherv(own, count[rank_], MPI_DOUBLE, all, count.data(), first.data(), MPI_DOUBLE, comm_);
+  }
+
+  MPI_Comm comm_;
+  int rank_ = 0, total_ = 0;
+  bool singular_ = false, analysed_ = false;
+  std::vector<int> first_, count_, first4_, count4_;  // cells of each rank, and four values for each
+  std::vector<int> neighbour_;                        // cell number beyond each cell's three low faces, or -1
+  std::vector<double> mine_, all_;
+  std::vector<Eigen::Triplet<double>> entry_;
+  Eigen::SparseMatrix<double> matrix_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
+  Eigen::VectorXd rhs_, solution_;
+};
+
+template <class T>
+Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  Lines lines;
+  for (int d = 0; d < 3; ++d) lines[d] = {grid.axis[d].nodes(), layout.cuts()[d]};
+  for (;;) {
+    std::vector<Box> boxes(layout.ranks());
+    for (int r = 0; r < layout.ranks(); ++r)
+      for (int d = 0; d < 3; ++d) {
+        const int a = layout.brick(r)[d];
+        boxes[r].lo[d] = lines[d].cut[a];
+        boxes[r].hi[d] = lines[d].cut[a + 1];
+      }
+    const Int3 n{lines[0].n(), lines[1].n(), lines[2].n()};
+    levels_.emplace_back(comm, rank, std::move(boxes), n, grid.periodic());
+    if (double(n[0]) * n[1] * n[2] <= kDirect) break;
+    const Parents parents = choose_pairs(lines, kStretch, kShrink);
+    if (parents[0].empty()) break;
+    Level& fine = levels_.back();
+    for (int d = 0; d < 3; ++d) {
+      const std::vector<int>& parent = parents[d];
+      auto side = [&](int i) {
+        if (i < 0 || i >= n[d]) {
+          if (!fine.periodic[d]) return 0;
+          i = i < 0 ? i + n[d] : i - n[d];
+        }
+        return i + 1 < n[d] && parent[i + 1] == parent[i] ? -1 : i > 0 && parent[i - 1] == parent[i] ? 1 : 0;
+      };
+      for (int i = fine.own.lo[d]; i < fine.own.hi[d]; ++i) {
+        fine.parent[d].push_back(parent[i]);
+        fine.side[d].push_back(side(i));
+      }
+      fine.pair_below[d] = side(fine.own.lo[d] - 1) == 1;
+      fine.w[d].reset(fine.x.box());
+      lines[d] = coarse_line(lines[d], parents[d]);
+    }
+  }
+  coarsest_ = std::make_unique<Coarsest>(comm, levels_.back());
+}
+
+template <class T>
+Multigrid<T>::~Multigrid() = default;
+
+template <class T>
+void Multigrid<T>::set_operator(const std::array<Array3<double>, 3>& g, bool singular) {
+  Level& fine = levels_.front();
+  for (int d = 0; d < 3; ++d)
+    for (std::size_t m = 0; m < fine.g[d].size(); ++m) fine.g[d].data()[m] = T(g[d].data()[m]);
+  fine.finish_operator();
+  for (std::size_t l = 0; l + 1 < levels_.size(); ++l) coefficients(levels_[l], levels_[l + 1]);
+  coarsest_->set_operator(levels_.back(), singular);
+}
+
+template <class T>
+void Multigrid<T>::coefficients(Level& fine, Level& coarse) {
+  const Box& own = fine.own;
+  // Conductance between coarse centres along each fine line, kept in w at the face between, and summed over the lines.
+  for (int d = 0; d < 3; ++d) {
+    coarse.g[d].fill(0);
+    if (own.empty()) continue;
+    const T* g = fine.g[d].data();
+    T* w = fine.w[d].data();
+    T* sum = coarse.g[d].data();
+    const std::ptrdiff_t s = fine.x.stride(d), cs = coarse.x.stride(d);
+    const int faces = own.size(d) + (!fine.periodic[d] && own.hi[d] == fine.n[d] ? 1 : 0);
+    auto side = [&](int a) { return a < own.size(d) ? fine.side[d][a] : 0; };
+    auto line = [&](std::ptrdiff_t m, std::ptrdiff_t c, bool pair_below, bool pair_above) {
+      const T face = g[m], least = T(kLeastInner) * face;
+      w[m] = 0;
+      if (face <= 0) return;
+      T resistance = T(1) / face;
+      if (pair_below) resistance += T(0.5) / std::max(g[m - s], least);
+      if (pair_above) resistance += T(0.5) / std::max(g[m + s], least);
+      w[m] = T(1) / resistance;
+      sum[c] += w[m];
+    };
+    Box box = own;
+    box.hi[d] += faces - own.size(d);
+    for_each(box, [&](int i, int j, int k) {
+      const Int3 c{i, j, k};
+      const int a = c[d] - own.lo[d];
+      if (side(a) == 1) return;  // a face inside a pair
+      Int3 p;
+      for (int e = 0; e < 3; ++e) p[e] = fine.parent[e][std::min(c[e], own.hi[e] - 1) - own.lo[e]];
+      const bool below = a > 0 ? side(a - 1) == 1 : fine.pair_below[d];
+      const std::ptrdiff_t high = a == own.size(d) ? cs : 0;
+      line(fine.x.index(i, j, k), coarse.x.index(p[0], p[1], p[2]) + high, below, side(a) == -1);
+    });
+  }
+  fine.halo.bring({&fine.w[0], &fine.w[1], &fine.w[2]});
+  coarse.halo.bring({&coarse.g[0], &coarse.g[1], &coarse.g[2]});
+  coarse.finish_operator();
+  if (own.empty()) return;
+
+  // Weights: the share of the way's resistance that lies inside the own pair. w still holds conductances where it is
+  // read, as memory is walked upwards.
+  for (int d = 0; d < 3; ++d) {
+    const T* g = fine.g[d].data();
+    T* w = fine.w[d].data();
+    const std::ptrdiff_t s = fine.x.stride(d);
+    for_each(own, [&](int i, int j, int k) {
+      const int side = fine.side[d][Int3{i, j, k}[d] - own.lo[d]];
+      const std::ptrdiff_t m = fine.x.index(i, j, k);
+      const std::ptrdiff_t across = side == 1 ? m + s : m, inner = side == -1 ? m + s : m;
+      const T face = g[across], least = T(kLeastInner) * face;
+      w[m] = side != 0 && face > 0 ? T(0.5) * w[across] / std::max(g[inner], least) : T(0);
+    });
+  }
+  T *wx = fine.w[0].data(), *wy = fine.w[1].data(), *wz = fine.w[2].data();
+  for_each(own, [&](int i, int j, int k) {
+    const std::ptrdiff_t m = fine.x.index(i, j, k);
+    const T sum = wx[m] + wy[m] + wz[m];
+    if (sum <= T(kMostOuter)) return;
+    const T factor = T(kMostOuter) / sum;
+    wx[m] *= factor, wy[m] *= factor, wz[m] *= factor;
+  });
+}
+
+template <class T>
+void Multigrid<T>::cycle(std::size_t l) {
+  using Cells = FaceHalo::Cells;
+  constexpr int red = 0, black = 1;
+  Level& fine = levels_[l];
+  if (l + 1 == levels_.size()) {
+    coarsest_->solve(fine);
+    return;
+  }
+  Level& coarse = levels_[l + 1];
+  if (fine.odd_seam) fine.x.fill(0);
+  fine.start(red);
+  fine.halo.bring({&fine.x}, Cells::kRed);
+  fine.smooth(black);
+  fine.halo.bring({&fine.x}, Cells::kBlack);
+  // After the black half sweep black residuals are zero, but for those that meet a black neighbour across an odd seam.
+  coarse.b.fill(0);
+  fine.restrict_residual(red, coarse);
+  if (fine.odd_seam) fine.restrict_residual(black, coarse);
+  coarse.halo.add(coarse.b);
+  cycle(l + 1);
+  coarse.halo.bring({&coarse.x});
+  // The black half sweep that follows doesn't read black values, but for those across an odd seam.
+  fine.prolong(red, coarse);
+  if (fine.odd_seam) fine.prolong(black, coarse);
+  fine.halo.bring({&fine.x}, fine.odd_seam ? Cells::kAll : Cells::kRed);
+  fine.smooth(black);
+  fine.halo.bring({&fine.x}, Cells::kBlack);
+  fine.smooth(red);
+}
+
+template <class T>
+void Multigrid<T>::cycle() {
+  cycle(0);
+}
+
+template <class T>
+Array3<T>& Multigrid<T>::b() {
+  return levels_.front().b;
+}
+template <class T>
+Array3<T>& Multigrid<T>::x() {
+  return levels_.front().x;
+}
+template <class T>
+int Multigrid<T>::levels() const {
+  return int(levels_.size());
+}
+template <class T>
+double Multigrid<T>::complexity() const {
+  double sum = 0;
+  for (const Level& l : levels_) sum += double(l.n[0]) * l.n[1] * l.n[2];
+  return sum / (double(levels_[0].n[0]) * levels_[0].n[1] * levels_[0].n[2]);
+}
+
+template class Multigrid<double>;
+template class Multigrid<float>;
+
+}  // namespace twogrid

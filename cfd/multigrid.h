@@ -1,0 +1,72 @@
+// One symmetric V-cycle of a geometric multigrid for  A x = b,  (A x)_c = sum over faces g_f (x_c - x_nb),  g_f >= 0,
+// on a tensor-product grid in bricks. A preconditioner for conjugate gradients: it is a fixed symmetric positive
+// operator (semi-definite where no boundary face has g_f > 0).
+//
+// Coarsening. Along each direction neighbouring cells of one brick are merged in pairs where their centres are close:
+// up to kStretch times the smallest distance in any direction, more only as far as is needed to shrink the level. So
+// thin and stretched grids approach cubic cells first (semi-coarsening; Mulder 1989), odd sizes leave a cell alone, and
+// the coarse grid is a tensor product in bricks again. Only the geometry decides: the hierarchy is made once.
+// Coarse conductances. Along a fine line the resistances between the centres of two neighbouring coarse cells are in
+// series (half of the face inside each pair, and the face between), and parallel lines add up.
+// Prolongation. In every direction linear between the two coarse centres in terms of that resistance, so that the flux
+// is continuous where coefficients jump. Restriction is its transpose.
+// Smoother. Red-black Gauss-Seidel: red, black before; black, red after the coarse correction.
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "box.h"
+#include "face_halo.h"
+#include "grid.h"
+#include "layout.h"
+
+namespace twogrid {
+
+template <class T>
+class Multigrid {
+ public:
+  /// Cells are merged up to this multiple of the smallest distance between centres.
+  static constexpr double kStretch = 1.7;
+  /// A level has at most about this share of the cells of the finer one.
+  static constexpr double kShrink = 0.6;
+  /// Inside a pair, a conductance counts as at least this share of the outer face's: where the pair is cut in two
+  /// (contrast, an obstacle) the coarse grid stays connected.
+  static constexpr double kLeastInner = 0.25;
+  /// The weights of the second parents of a cell, of all directions together, are at most this.
+  static constexpr double kMostOuter = 0.75;
+  /// A level of at most so many cells on all ranks is solved directly.
+  static constexpr int kDirect = 100;
+
+  /// All ranks give the same arguments.
+  Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout);
+  ~Multigrid();
+
+  /// g[d](i,j,k): of the low face of cell (i,j,k) in direction d; on own cells and a halo of one, the high faces of own
+  /// cells included (brought from the neighbour, or the boundary's). Collective.
+  void set_operator(const std::array<Array3<double>, 3>& g, bool singular);
+
+  /// Right-hand side, to be filled on own cells, and after cycle() the approximate solution there.
+  Array3<T>& b();
+  Array3<T>& x();
+  /// x = B b. Collective.
+  void cycle();
+
+  int levels() const;
+  /// Cells of all levels over cells of the finest one.
+  double complexity() const;
+
+ private:
+  struct Level;
+  class Coarsest;
+  void cycle(std::size_t l);
+  static void coefficients(Level& fine, Level& coarse);
+
+  std::vector<Level> levels_;
+  std::unique_ptr<Coarsest> coarsest_;
+};
+
+}  // namespace twogrid

@@ -1,0 +1,300 @@
+#include "pressure_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "face_halo.h"
+#include "multigrid.h"
+#include "petsc_wrappers.h"
+
+namespace twogrid {
+
+namespace {
+constexpr char kPrefix[] = "fluid_pressure_";
+}  // namespace
+
+class PressureSolver::Impl {
+ public:
+  Impl(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol)
+      : comm_(comm), grid_(grid), n_(grid.n()), multigrid_(comm, grid, layout) {
+    int rank = 0;
+    MPI_Comm_rank(comm, &rank);
+    own_ = layout.cells(rank);
+    halo_ = FaceHalo(comm, layout.all_cells(), n_, grid.periodic());
+    const Box box = own_.empty() ? Box{} : own_.grown(1);
+    for (auto& g : g_) g.reset(box);
+    x_.reset(box);
+
+    const PetscInt local = PetscInt(own_.count());
+    check(VecCreateMPI(comm, local, PETSC_DETERMINE, rhs_.put()));
+    check(VecDuplicate(rhs_, solution_.put()));
+    check(VecDuplicate(rhs_, residual_.put()));
+    check(MatCreateShell(comm, local, local, PETSC_DETERMINE, PETSC_DETERMINE, this, matrix_.put()));
+    check(MatShellSetOperation(matrix_, MATOP_MULT, reinterpret_cast<void (*)(void)>(&Impl::multiply)));
+    check(MatSetOption(matrix_, MAT_SYMMETRIC, PETSC_TRUE));
+    check(MatNullSpaceCreate(comm, PETSC_TRUE, 0, nullptr, constants_.put()));
+
+    check(KSPCreate(comm, ksp_.put()));
+    check(KSPSetOptionsPrefix(ksp_, kPrefix));
+    check(KSPSetType(ksp_, KSPCG));
+    check(KSPSetNormType(ksp_, KSP_NORM_UNPRECONDITIONED));
+    check(KSPSetInitialGuessNonzero(ksp_, PETSC_TRUE));
+    check(KSPSetOperators(ksp_, matrix_, matrix_));
+    PC pc = nullptr;
+    check(KSPGetPC(ksp_, &pc));
+    check(PCSetType(pc, PCSHELL));
+    check(PCShellSetName(pc, "semi-coarsening multigrid"));
+    check(PCShellSetContext(pc, this));
+    check(PCShellSetApply(pc, &Impl::precondition));
+    PetscReal wanted = rtol;
+    check(PetscOptionsGetReal(nullptr, kPrefix, "-rtol", &wanted, nullptr));
+    check(KSPSetTolerances(ksp_, wanted, PETSC_DEFAULT, PETSC_DEFAULT, 300));
+    check(KSPSetFromOptions(ksp_));
+    check(KSPSetConvergenceTest(ksp_, &Impl::converged, this, nullptr));
+  }
+
+  void set_operator(const FaceField<FineGrid>& conductance, bool singular) {
+    for (int d = 0; d < 3; ++d) {
+      Box faces = own_;
+      if (!grid_.axis[d].periodic() && own_.hi[d] == n_[d]) ++faces.hi[d];
+      if (own_.empty()) continue;
+      for (int k = faces.lo[2]; k < faces.hi[2]; ++k)
+        for (int j = faces.lo[1]; j < faces.hi[1]; ++j)
+          std::copy_n(&conductance[d].data()[conductance[d].index(faces.lo[0], j, k)], faces.size(0),
+                      &g_[d].data()[g_[d].index(faces.lo[0], j, k)]);
+    }
+    halo_.bring({&g_[0], &g_[1], &g_[2]});
+    for (int d = 0; d < 3; ++d)
+      if (grid_.axis[d].periodic() && n_[d] == 1) g_[d].fill(0);  // a cell that is its own neighbour has no net flux
+    if (singular != singular_ || !known_) {
+      check(MatSetNullSpace(matrix_, singular ? static_cast<MatNullSpace>(constants_) : nullptr));
+      singular_ = singular;
+      known_ = true;
+    }
+    multigrid_.set_operator(g_, singular);
+  }
+
+  int solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
+    // The solver works with -A, which is positive definite.
+    load(b, -1, rhs_);
+    load(phi, 1, solution_);
+    if (singular_) balance(atol);
+    PetscReal rtol, abstol;
+    check(KSPGetTolerances(ksp_, &rtol, &abstol, nullptr, nullptr));
+    PetscReal norm;
+    check(VecNorm(rhs_, NORM_2, &norm));
+    if (!std::isfinite(norm))
+      throw std::runtime_error(
+          "the right-hand side of the pressure equation is not finite; reduce the time step (fix_modify cfl)");
+    if (norm == 0) {
+      check(VecSet(solution_, 0));
+      store(phi);
+      return 0;
+    }
+    target_ = std::max({rtol * norm, double(abstol), atol});
+
+    // A residual updated by recurrence drifts from the true one by round-off: where that matters the true residual is
+    // checked after the solve, and the solve is started again from where it is.
+    int iterations = 0;
+    const bool delicate = target_ < 1e-8 * norm;
+    for (int round = 0;; ++round) {
+      check(KSPSolve(ksp_, rhs_, solution_));
+      KSPConvergedReason reason;
+      PetscInt its;
+      check(KSPGetConvergedReason(ksp_, &reason));
+      check(KSPGetIterationNumber(ksp_, &its));
+      iterations += int(its);
+      if (reason > 0 && !delicate) break;
+      const double r = true_residual();
+      if (r <= target_) break;
+      const double floor = round_off(norm);
+      if (r <= floor) break;
+      if (round == 2 || !std::isfinite(r)) {
+        std::ostringstream message;
+        message << "the pressure solver stopped at a residual of " << r << " after " << iterations
+                << " iterations (PETSc's reason " << int(reason) << "), wanted " << target_
+                << "; loosen -fluid_pressure_rtol or reduce the time step (fix_modify cfl)";
+        throw std::runtime_error(message.str());
+      }
+    }
+    store(phi);
+    return iterations;
+  }
+
+ private:
+  /// Calls f(memory index in a, position in a Vec's local part, row length) for each row of own cells.
+  template <class A, class F>
+  void rows(const A& a, F&& f) const {
+    const int n = own_.size(0);
+    std::ptrdiff_t v = 0;
+    if (own_.empty()) return;
+    for (int k = own_.lo[2]; k < own_.hi[2]; ++k)
+      for (int j = own_.lo[1]; j < own_.hi[1]; ++j, v += n) f(a.index(own_.lo[0], j, k), v, n);
+  }
+
+  void load(const CellField<FineGrid>& field, double factor, Vec to) const {
+    PetscScalar* v = nullptr;
+    check(VecGetArrayWrite(to, &v));
+    const double* a = field.data();
+    rows(field, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
+      for (int i = 0; i < n; ++i) v[p + i] = factor * a[m + i];
+    });
+    check(VecRestoreArrayWrite(to, &v));
+  }
+
+  /// Solution to the field; of a singular problem the one whose mean over the volume is zero.
+  void store(CellField<FineGrid>& field) const {
+    const PetscScalar* v = nullptr;
+    check(VecGetArrayRead(solution_, &v));
+    double sum[2] = {0, 0};
+    if (singular_) {
+      const PetscScalar* p = v;
+      for_each(own_, [&](int i, int j, int k) {
+        const double volume = grid_.volume(i, j, k);
+        sum[0] += volume * *p++;
+        sum[1] += volume;
+      });
+      MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, comm_);
+    }
+    const double mean = singular_ ? sum[0] / sum[1] : 0;
+    double* a = field.data();
+    rows(field, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
+      for (int i = 0; i < n; ++i) a[m + i] = v[p + i] - mean;
+    });
+    check(VecRestoreArrayRead(solution_, &v));
+  }
+
+  /// Takes the mean out of a singular problem's right-hand side, or refuses if that would change the problem.
+  void balance(double atol) const {
+    PetscScalar sum;
+    PetscReal absolute;
+    PetscInt n;
+    check(VecSum(rhs_, &sum));
+    check(VecNorm(rhs_, NORM_1, &absolute));
+    check(VecGetSize(rhs_, &n));
+    if (std::abs(sum) > kImbalance * absolute && std::abs(sum) > atol * std::sqrt(double(n))) {
+      std::ostringstream message;
+      message << "inflow and outflow of a domain without a pressure boundary do not balance: their sum is " << sum
+              << ", wanted at most " << kImbalance << " of " << absolute
+              << "; give one side a pressure boundary (fix_modify boundary)";
+      throw std::runtime_error(message.str());
+    }
+    check(VecShift(rhs_, -sum / n));
+  }
+
+  double true_residual() const {
+    check(MatMult(matrix_, solution_, residual_));
+    check(VecAYPX(residual_, -1, rhs_));
+    PetscReal norm;
+    check(VecNorm(residual_, NORM_2, &norm));
+    return norm;
+  }
+
+  /// Residual that rounding alone may leave: a few units in the last place of the terms that cancel in b - A x, that is
+  /// of b and of diag(A) x.
+  double round_off(double norm_b) const {
+    const PetscScalar* v = nullptr;
+    check(VecGetArrayRead(solution_, &v));
+    double sum = 0;
+    const double *gx = g_[0].data(), *gy = g_[1].data(), *gz = g_[2].data();
+    const std::ptrdiff_t sy = x_.stride(1), sz = x_.stride(2);
+    rows(x_, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
+      for (int i = 0; i < n; ++i, ++m) {
+        const double t = (gx[m] + gx[m + 1] + gy[m] + gy[m + sy] + gz[m] + gz[m + sz]) * v[p + i];
+        sum += t * t;
+      }
+    });
+    check(VecRestoreArrayRead(solution_, &v));
+    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
+    return kRoundOff * PETSC_MACHINE_EPSILON * (norm_b + std::sqrt(sum));
+  }
+
+  static PetscErrorCode multiply(Mat matrix, Vec x, Vec y) {
+    Impl* self = nullptr;
+    PetscErrorCode error = MatShellGetContext(matrix, &self);
+    if (error) return error;
+    const PetscScalar* from = nullptr;
+    PetscScalar* to = nullptr;
+    if ((error = VecGetArrayRead(x, &from))) return error;
+    double* a = self->x_.data();
+    self->rows(self->x_, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(from + p, n, a + m); });
+    if ((error = VecRestoreArrayRead(x, &from))) return error;
+    self->halo_.bring({&self->x_});
+    if ((error = VecGetArrayWrite(y, &to))) return error;
+    const double *gx = self->g_[0].data(), *gy = self->g_[1].data(), *gz = self->g_[2].data();
+    const std::ptrdiff_t sy = self->x_.stride(1), sz = self->x_.stride(2);
+    self->rows(self->x_, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
+      for (int i = 0; i < n; ++i, ++m) {
+        const double c = a[m];
+        to[p + i] = (gx[m] * (c - a[m - 1]) + gx[m + 1] * (c - a[m + 1])) +
+                    (gy[m] * (c - a[m - sy]) + gy[m + sy] * (c - a[m + sy])) +
+                    (gz[m] * (c - a[m - sz]) + gz[m + sz] * (c - a[m + sz]));
+      }
+    });
+    return VecRestoreArrayWrite(y, &to);
+  }
+
+  static PetscErrorCode precondition(PC pc, Vec r, Vec z) {
+    Impl* self = nullptr;
+    PetscErrorCode error = PCShellGetContext(pc, &self);
+    if (error) return error;
+    auto& mg = self->multigrid_;
+    const PetscScalar* from = nullptr;
+    PetscScalar* to = nullptr;
+    if ((error = VecGetArrayRead(r, &from))) return error;
+    auto* b = mg.b().data();
+    self->rows(mg.b(), [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(from + p, n, b + m); });
+    if ((error = VecRestoreArrayRead(r, &from))) return error;
+    mg.cycle();
+    if ((error = VecGetArrayWrite(z, &to))) return error;
+    const auto* x = mg.x().data();
+    self->rows(mg.x(), [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(x + m, n, to + p); });
+    return VecRestoreArrayWrite(z, &to);
+  }
+
+  static PetscErrorCode converged(KSP ksp, PetscInt iteration, PetscReal norm, KSPConvergedReason* reason,
+                                  void* context) {
+    const Impl* self = static_cast<const Impl*>(context);
+    PetscInt most;
+    const PetscErrorCode error = KSPGetTolerances(ksp, nullptr, nullptr, nullptr, &most);
+    *reason = !std::isfinite(norm)    ? KSP_DIVERGED_NANORINF
+              : norm <= self->target_ ? KSP_CONVERGED_RTOL
+              : iteration >= most     ? KSP_DIVERGED_ITS
+                                      : KSP_CONVERGED_ITERATING;
+    return error;
+  }
+
+  static constexpr double kImbalance = 1e-6;  // of the sum of |b|
+  static constexpr double kRoundOff = 4;
+
+  MPI_Comm comm_;
+  FineGrid grid_;
+  Int3 n_;
+  Box own_;
+  bool singular_ = false, known_ = false;
+  double target_ = 0;  // residual norm at which to stop
+  FaceHalo halo_;
+  std::array<Array3<double>, 3> g_;
+  Array3<double> x_;
+  Multigrid<double> multigrid_;
+  PetscVector rhs_, solution_, residual_;
+  PetscMatrix matrix_;
+  PetscNullSpace constants_;
+  PetscSolver ksp_;
+};
+
+PressureSolver::PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol)
+    : impl_(std::make_unique<Impl>(comm, grid, layout, rtol)) {}
+PressureSolver::~PressureSolver() = default;
+
+void PressureSolver::set_operator(const FaceField<FineGrid>& conductance, bool singular) {
+  impl_->set_operator(conductance, singular);
+}
+
+int PressureSolver::solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
+  return impl_->solve(b, phi, atol);
+}
+
+}  // namespace twogrid
