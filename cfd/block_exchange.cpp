@@ -7,7 +7,9 @@ namespace twogrid {
 
 namespace {
 
-int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+int floor_div(int a, int b) {
+  return a >= 0 ? a / b : -((-a + b - 1) / b);
+}
 
 template <class T>
 MPI_Datatype mpi_type() {
@@ -25,7 +27,8 @@ template <class T>
 void pack(const Array3<T>& a, const Box& b, T*& out) {
   const int n = b.size(0);
   for (int k = b.lo[2]; k < b.hi[2]; ++k)
-    for (int j = b.lo[1]; j < b.hi[1]; ++j, out += n) std::memcpy(out, &a.data()[a.index(b.lo[0], j, k)], n * sizeof(T));
+    for (int j = b.lo[1]; j < b.hi[1]; ++j, out += n)
+      std::memcpy(out, &a.data()[a.index(b.lo[0], j, k)], n * sizeof(T));
 }
 
 template <class T>
@@ -154,7 +157,7 @@ std::size_t BlockExchange::bytes_per_value() const {
   return 8 * n;
 }
 
-#define TWOGRID_INSTANTIATE(T)                                                                                        \
+#define TWOGRID_INSTANTIATE(T)                                                                                       \
   template void BlockExchange::bring<T>(const std::vector<const Array3<T>*>&, const std::vector<Array3<T>*>&) const; \
   template void BlockExchange::add<T>(const std::vector<const Array3<T>*>&, const std::vector<Array3<T>*>&) const;   \
   template void BlockExchange::bring<T>(const std::vector<Array3<T>*>&) const;

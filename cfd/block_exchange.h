@@ -31,7 +31,9 @@ class BlockExchange {
   template <class T>
   void bring(const std::vector<Array3<T>*>& field) const;
   template <class T>
-  void bring(Array3<T>& field) const { bring(std::vector<Array3<T>*>{&field}); }
+  void bring(Array3<T>& field) const {
+    bring(std::vector<Array3<T>*>{&field});
+  }
 
   /// Bytes and messages sent by this rank for one value of 8 bytes a point.
   std::size_t bytes_per_value() const;
@@ -39,8 +41,8 @@ class BlockExchange {
 
  private:
   struct Piece {
-    Box owner;    // indices at the owner
-    Int3 shift;   // index in the window = index at the owner + shift
+    Box owner;   // indices at the owner
+    Int3 shift;  // index in the window = index at the owner + shift
   };
   struct Peer {
     int rank;

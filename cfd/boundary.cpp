@@ -18,14 +18,16 @@ int inside(int i, const Axis& axis) {
 
 bool covers(const PatchShape& s, const Vec3& x, int e, int f) {
   switch (s.kind) {
-    case PatchShape::Kind::kWhole: return true;
+    case PatchShape::Kind::kWhole:
+      return true;
     case PatchShape::Kind::kRectangle:
       return x[e] > s.value[0] && x[e] < s.value[1] && x[f] > s.value[2] && x[f] < s.value[3];
     case PatchShape::Kind::kCircle: {
       const double a = x[e] - s.value[0], b = x[f] - s.value[1];
       return a * a + b * b < s.value[2] * s.value[2];
     }
-    case PatchShape::Kind::kRegion: return s.inside(x);
+    case PatchShape::Kind::kRegion:
+      return s.inside(x);
   }
   return false;
 }
@@ -104,7 +106,8 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
           const int m = s.at(a, b);
           for (int c = 0; c < int(conditions.size()); ++c)
             if (covers(conditions[c].shape, x, s.e, s.f)) s.condition[m] = c;
-          const bool mine = ia == a && ib == b && a >= own.lo[s.e] && a < own.hi[s.e] && b >= own.lo[s.f] && b < own.hi[s.f];
+          const bool mine =
+              ia == a && ib == b && a >= own.lo[s.e] && a < own.hi[s.e] && b >= own.lo[s.f] && b < own.hi[s.f];
           if (mine) ++covered[side][s.condition[m]];
           const BoundaryCondition& c = conditions[s.condition[m]];
           std::array<double, 4> extent = c.shape.value;

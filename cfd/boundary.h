@@ -18,8 +18,8 @@ namespace twogrid {
 struct PatchArea {
   std::string name;
   int side;
-  double area;     ///< m2, of the faces that belong to it
-  double flux;     ///< m3/s, into the domain
+  double area;  ///< m2, of the faces that belong to it
+  double flux;  ///< m3/s, into the domain
 };
 
 class Boundaries {
@@ -58,23 +58,23 @@ class Boundaries {
 
  private:
   struct SideData {
-    bool here = false;               // this rank has cells at the side
-    int d = 0, e = 0, f = 0;         // normal, tangential directions (ascending)
-    int face = 0;                    // index of the boundary face in d
-    int inner = 0, step = 0;         // first inner cell; +1: inwards is up
-    int lo_e = 0, n_e = 0, lo_f = 0, n_f = 0;  // tangential range with halo
-    std::vector<int> condition;      // of every boundary face in the range
-    std::vector<double> profile;     // factor on the inlet velocity
-    std::vector<double> normal;      // prescribed normal velocity
+    bool here = false;                                 // this rank has cells at the side
+    int d = 0, e = 0, f = 0;                           // normal, tangential directions (ascending)
+    int face = 0;                                      // index of the boundary face in d
+    int inner = 0, step = 0;                           // first inner cell; +1: inwards is up
+    int lo_e = 0, n_e = 0, lo_f = 0, n_f = 0;          // tangential range with halo
+    std::vector<int> condition;                        // of every boundary face in the range
+    std::vector<double> profile;                       // factor on the inlet velocity
+    std::vector<double> normal;                        // prescribed normal velocity
     std::array<std::vector<double>, 2> slope, offset;  // tangential ghost = slope * inner + offset, for e and f
-    Box own;                         // the rank's own boundary faces
+    Box own;                                           // the rank's own boundary faces
     int at(int a, int b) const { return (a - lo_e) + n_e * (b - lo_f); }
   };
   void set_tangential(SideData& s, int side);
 
   const FineGrid& grid_;
   const FluidSettings& settings_;
-  Box local_;                        // own cells + halo
+  Box local_;  // own cells + halo
   std::array<SideData, 6> side_;
   std::array<Array3<FaceState>, 3> state_;
   std::array<bool, 3> solved_{true, true, true};

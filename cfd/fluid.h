@@ -16,16 +16,17 @@ struct Interphase {
   FaceField<FineGrid> beta;         ///< implicit part's coefficient, kg/(m3 s)
   FaceField<FineGrid> chi;          ///< share of grad p that others carry (formulation A: eps_s), dimensionless
   CellField<FineGrid> mass_source;  ///< q, 1/s: d(eps)/dt + div(eps u) = q (fluid replaced by inserted particles)
+  Vec3 particle_flux{0, 0, 0};      ///< mean of eps_s v over the domain (m/s); only for a given flow rate
 };
 
 /// Figures of one call of advance, the same on all ranks.
 struct FluidReport {
   int steps = 0;
-  double dt = 0;                ///< last fluid step, s
-  double cfl = 0;               ///< largest Courant number met
-  double divergence_error = 0;  ///< max over cells of |d(eps)/dt + div(eps u) - q| h/U
-  int pressure_iterations = 0;  ///< sum over steps
-  double pressure_drop = 0;     ///< mean p of inlet faces minus mean p of outlet faces (Pa)
+  double dt = 0;                                  ///< last fluid step, s
+  double cfl = 0;                                 ///< largest Courant number met
+  double divergence_error = 0;                    ///< max over cells of |d(eps)/dt + div(eps u) - q| h/U
+  int pressure_iterations = 0;                    ///< sum over steps
+  double pressure_drop = 0;                       ///< mean p of inlet faces minus mean p of outlet faces (Pa)
   double inflow = 0, outflow = 0, displaced = 0;  ///< volume in, out, and -integral of d(eps)/dt - q, last step, m3/s
 };
 
@@ -48,7 +49,8 @@ class Fluid {
   virtual const FaceField<FineGrid>& velocity() const = 0;
   /// Mean of u over the last interval, as the implicit drag saw it; halo as above.
   virtual const FaceField<FineGrid>& mean_velocity() const = 0;
-  /// Mean of grad p (dynamic pressure, imposed gradient included) over the last interval, on solved faces; halo as above.
+  /// Mean of grad p (dynamic pressure, imposed gradient included) over the last interval, on solved faces; halo as
+  /// above.
   virtual const FaceField<FineGrid>& mean_pressure_gradient() const = 0;
   virtual const CellField<FineGrid>& pressure() const = 0;
   virtual const CellField<FineGrid>& void_fraction() const = 0;

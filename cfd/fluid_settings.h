@@ -13,8 +13,12 @@ namespace twogrid {
 
 /// Sides of the fluid's domain, in the order xlo xhi ylo yhi zlo zhi.
 enum Side { kXlo, kXhi, kYlo, kYhi, kZlo, kZhi };
-inline int direction(int side) { return side / 2; }
-inline bool is_high(int side) { return side % 2 == 1; }
+inline int direction(int side) {
+  return side / 2;
+}
+inline bool is_high(int side) {
+  return side % 2 == 1;
+}
 extern const std::array<const char*, 6> kSideNames;
 
 enum class BoundaryKind { kSlip, kNoSlip, kInlet, kPressure, kPeriodic };
@@ -32,37 +36,37 @@ struct InletProfile {
 /// directions in ascending order (x y on z sides, x z on y sides, y z on x sides).
 struct PatchShape {
   enum class Kind { kWhole, kRectangle, kCircle, kRegion } kind = Kind::kWhole;
-  std::array<double, 4> value{0, 0, 0, 0};          ///< rectangle: lo, hi, lo, hi; circle: centre, centre, radius
-  std::function<bool(const Vec3&)> inside;          ///< region: tells whether a face centre belongs
+  std::array<double, 4> value{0, 0, 0, 0};  ///< rectangle: lo, hi, lo, hi; circle: centre, centre, radius
+  std::function<bool(const Vec3&)> inside;  ///< region: tells whether a face centre belongs
 };
 
 struct BoundaryCondition {
-  std::string name;                   ///< of the patch; empty for the whole side
+  std::string name;  ///< of the patch; empty for the whole side
   BoundaryKind kind = BoundaryKind::kSlip;
   PatchShape shape;
-  Vec3 velocity{0, 0, 0};             ///< inlet: superficial velocity (m/s); no-slip: velocity of the wall
-  std::function<Vec3()> velocity_now; ///< if set, gives the velocity at each fluid step (a LIGGGHTS variable)
+  Vec3 velocity{0, 0, 0};              ///< inlet: superficial velocity (m/s); no-slip: velocity of the wall
+  std::function<Vec3()> velocity_now;  ///< if set, gives the velocity at each fluid step (a LIGGGHTS variable)
   InletProfile profile;
-  double pressure = 0;                ///< pressure outlet: dynamic pressure (Pa)
+  double pressure = 0;  ///< pressure outlet: dynamic pressure (Pa)
 };
 
 enum class Convection { kNone, kVanLeer, kCentral };
 enum class Choice { kOff, kOn, kAuto };
 
 struct FluidSettings {
-  double density = 0;                 ///< rho_f, kg/m3
-  double viscosity = 0;               ///< mu, Pa s
+  double density = 0;                                  ///< rho_f, kg/m3
+  double viscosity = 0;                                ///< mu, Pa s
   std::array<std::vector<BoundaryCondition>, 6> side;  ///< first entry: the whole side; then patches, later ones on top
-  Vec3 initial_velocity{0, 0, 0};     ///< u, interstitial, m/s
-  Vec3 pressure_gradient{0, 0, 0};    ///< imposed mean dp/dx in periodic directions, Pa/m (positive: pushes to lo)
+  Vec3 initial_velocity{0, 0, 0};                      ///< u, interstitial, m/s
+  Vec3 pressure_gradient{0, 0, 0};  ///< imposed mean dp/dx in periodic directions, Pa/m (positive: pushes to lo)
   std::array<bool, 3> flow_rate_set{false, false, false};
-  Vec3 flow_rate{0, 0, 0};            ///< wanted mean of (eps u + eps_s v) in periodic directions, m/s
-  double cfl = 0.4;                   ///< largest Courant number of a fluid step
-  double dt = 0;                      ///< largest fluid step (s); 0: as cfl and the coupling interval allow
+  Vec3 flow_rate{0, 0, 0};  ///< wanted mean of (eps u + eps_s v) in periodic directions, m/s
+  double cfl = 0.4;         ///< largest Courant number of a fluid step
+  double dt = 0;            ///< largest fluid step (s); 0: as cfl and the coupling interval allow
   Convection convection = Convection::kVanLeer;
   Choice implicit_viscosity = Choice::kAuto;
-  bool gap_friction = false;          ///< one-cell-deep scenes: -12 mu u / W^2
-  double pressure_rtol = 1e-6;        ///< continuity error wanted, relative to U/h; also -fluid_pressure_rtol
+  bool gap_friction = false;    ///< one-cell-deep scenes: -12 mu u / W^2
+  double pressure_rtol = 1e-6;  ///< continuity error wanted, relative to U/h; also -fluid_pressure_rtol
   /// Throws std::invalid_argument with a sentence (value found, value wanted, keyword) when something can't be right.
   void check(const FineGrid& grid) const;
 };

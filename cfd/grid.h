@@ -26,8 +26,8 @@ class Axis {
   double lo() const { return node_[kPad]; }
   double hi() const { return node_[kPad + n_]; }
   double length() const { return hi() - lo(); }
-  double node(int i) const { return node_[i + kPad]; }                          ///< low face of cell i (m)
-  double width(int i) const { return node_[i + 1 + kPad] - node_[i + kPad]; }   ///< of cell i (m)
+  double node(int i) const { return node_[i + kPad]; }                         ///< low face of cell i (m)
+  double width(int i) const { return node_[i + 1 + kPad] - node_[i + kPad]; }  ///< of cell i (m)
   double centre(int i) const { return 0.5 * (node_[i + kPad] + node_[i + 1 + kPad]); }
   /// Distance between the centres of cells i-1 and i: the width of the momentum volume of face i (m).
   double face_width(int i) const { return centre(i) - centre(i - 1); }

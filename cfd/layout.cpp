@@ -12,7 +12,8 @@ Layout::Layout(const Grid& grid, std::array<std::vector<int>, 3> cuts, std::vect
   for (int d = 0; d < 3; ++d) {
     p[d] = int(cuts_[d].size()) - 1;
     if (p[d] < 1 || cuts_[d].front() != 0 || cuts_[d].back() != n_[d])
-      throw std::invalid_argument("the cuts of a layout must go from 0 to the number of cells, " + std::to_string(n_[d]));
+      throw std::invalid_argument("the cuts of a layout must go from 0 to the number of cells, " +
+                                  std::to_string(n_[d]));
     for (int a = 0; a < p[d]; ++a)
       if (cuts_[d][a + 1] < cuts_[d][a]) throw std::invalid_argument("the cuts of a layout must ascend");
   }
@@ -65,7 +66,8 @@ std::vector<int> cuts_near(const Axis& axis, int p, int block, const std::vector
   for (int a = 1; a < p; ++a) {
     int best = 0;
     for (int c = 0; c <= axis.n(); c += block)
-      if (std::abs(axis.node(c) - inner_positions[a - 1]) < std::abs(axis.node(best) - inner_positions[a - 1])) best = c;
+      if (std::abs(axis.node(c) - inner_positions[a - 1]) < std::abs(axis.node(best) - inner_positions[a - 1]))
+        best = c;
     cuts[a] = std::max(best, cuts[a - 1]);
   }
   return cuts;

@@ -52,21 +52,22 @@ void Momentum::convect_part(double rho, const FaceField<FineGrid>& F, const Face
   const double* v = u.data();
   double* q = flux_.data();
   const double* Fd = F[d].data();
-  // Where the flux stands: c == d: centre of cell m, between faces m and m+1; else: edge between volumes m-1 and m in d.
+  // Where the flux stands: c == d: centre of cell m, between faces m and m+1; else: edge between volumes m-1 and m in
+  // d.
   Box b = faces_[c];
   if (c == d)
     --b.lo[d];
   else
     ++b.hi[d];
-  const bool closed = c != d && !periodic_[d];
+  const bool bounded = !periodic_[d];
   const int last = n_[d];
   for (int k = b.lo[2]; k < b.hi[2]; ++k)
     for (int j = b.lo[1]; j < b.hi[1]; ++j) {
       std::ptrdiff_t m = u.index(b.lo[0], j, k);
       for (int i = b.lo[0]; i < b.hi[0]; ++i, ++m) {
         const Int3 x{i, j, k};
-        double flow;              // m3/s through this side
-        std::ptrdiff_t lower;     // index of the value below the side; the one above is lower + sd
+        double flow;           // m3/s through this side
+        std::ptrdiff_t lower;  // index of the value below the side; the one above is lower + sd
         double dist, to_side_up, to_side_down, dist_below, dist_above;
         if (c == d) {
           flow = 0.5 * (Fd[m] + Fd[m + sc]) * ae.width(x[e]) * axis_[f].width(x[f]);
@@ -85,8 +86,10 @@ void Momentum::convect_part(double rho, const FaceField<FineGrid>& F, const Face
           dist_above = x[d] + 1 < local_.hi[d] ? ad.face_width(x[d] + 1) : dist;
         }
         double value;
-        if (closed && (x[d] == 0 || x[d] == last)) {
+        if (bounded && c != d && (x[d] == 0 || x[d] == last)) {
           value = 0.5 * (v[lower] + v[lower + sd]);  // the side's own value
+        } else if (bounded && c == d && (x[d] < 0 || x[d] == last)) {
+          value = x[d] < 0 ? v[lower + sd] : v[lower];  // outer side of an outlet's half volume
         } else if (!limited) {
           value = v[lower] + (v[lower + sd] - v[lower]) * (to_side_up / dist);
         } else {
@@ -166,10 +169,12 @@ void Momentum::viscous(double mu, const CellField<FineGrid>& eps, const FaceFiel
           const Int3 x{i, j, k};
           const double al = axis_[a].width(x[a] - 1), ar = axis_[a].width(x[a]);
           const double bl = axis_[b].width(x[b] - 1), br = axis_[b].width(x[b]);
-          const double mean = (e[m] * ar * br + e[m - s[a]] * al * br + e[m - s[b]] * ar * bl + e[m - s[a] - s[b]] * al * bl) /
-                              ((al + ar) * (bl + br));
-          q[m] = mu * mean *
-                 ((ua[m] - ua[m - s[b]]) / axis_[b].face_width(x[b]) + (ub[m] - ub[m - s[a]]) / axis_[a].face_width(x[a]));
+          const double mean =
+              (e[m] * ar * br + e[m - s[a]] * al * br + e[m - s[b]] * ar * bl + e[m - s[a] - s[b]] * al * bl) /
+              ((al + ar) * (bl + br));
+          q[m] =
+              mu * mean *
+              ((ua[m] - ua[m - s[b]]) / axis_[b].face_width(x[b]) + (ub[m] - ub[m - s[a]]) / axis_[a].face_width(x[a]));
         }
       }
   }

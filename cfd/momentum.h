@@ -54,9 +54,9 @@ class Momentum {
   std::array<AxisMeasure, 3> axis_;
   std::array<bool, 3> periodic_;
   Int3 n_;
-  Array3<double> flux_;                     // scratch: flux through the low side of each volume
-  std::array<Array3<double>, 3> normal_;    // scratch: eps tau_cc A-less, in cells
-  std::array<Array3<double>, 3> shear_;     // scratch: eps tau_yz, tau_xz, tau_xy on edges
+  Array3<double> flux_;                   // scratch: flux through the low side of each volume
+  std::array<Array3<double>, 3> normal_;  // scratch: eps tau_cc A-less, in cells
+  std::array<Array3<double>, 3> shear_;   // scratch: eps tau_yz, tau_xz, tau_xy on edges
 };
 
 }  // namespace twogrid

@@ -1,0 +1,528 @@
+#include "fluid_solver.h"
+
+#include <petscsys.h>
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "pressure_solver.h"
+#include "viscous_solver.h"
+
+namespace twogrid {
+
+namespace {
+
+const FluidSettings& checked(const FluidSettings& s, const FineGrid& grid) {
+  s.check(grid);
+  return s;
+}
+
+int rank_of(MPI_Comm comm) {
+  int r;
+  MPI_Comm_rank(comm, &r);
+  return r;
+}
+
+std::vector<Box> with_halo(const std::vector<Box>& cells) {
+  std::vector<Box> wanted;
+  for (const Box& b : cells) wanted.push_back(b.empty() ? Box{} : b.grown(Fluid::kHalo));
+  return wanted;
+}
+
+void reset(FaceField<FineGrid>& f, const Box& box) {
+  for (auto& c : f) c.reset(box);
+}
+
+void copy(const Array3<double>& from, Array3<double>& to, const Box& box) {
+  for_each(box, [&](int i, int j, int k) { to(i, j, k) = from(i, j, k); });
+}
+
+}  // namespace
+
+FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, const FluidSettings& settings)
+    : comm_(comm),
+      rank_(rank_of(comm)),
+      grid_(grid),
+      layout_(layout),
+      settings_(checked(settings, grid)),
+      own_(layout.cells(rank_)),
+      local_(own_.empty() ? Box{} : own_.grown(kHalo)),
+      faces_{own_.empty() ? Box{} : layout.faces(0, rank_), own_.empty() ? Box{} : layout.faces(1, rank_),
+             own_.empty() ? Box{} : layout.faces(2, rank_)},
+      boundaries_(comm, grid_, layout_, settings_),
+      momentum_(grid_, own_, local_, faces_) {
+  PetscBool given = PETSC_FALSE;
+  PetscReal rtol = 0;
+  PetscOptionsGetReal(nullptr, nullptr, "-fluid_pressure_rtol", &rtol, &given);
+  if (given) settings_.pressure_rtol = rtol;
+
+  const auto wanted = with_halo(layout_.all_cells());
+  cell_halo_ = BlockExchange(comm_, layout_.all_cells(), wanted, grid_.n(), grid_.periodic());
+  for (int d = 0; d < 3; ++d)
+    face_halo_[d] = BlockExchange(comm_, layout_.all_faces(d), wanted, grid_.n(), grid_.periodic());
+  pressure_solver_ = std::make_unique<PressureSolver>(comm_, grid_, layout_, settings_.pressure_rtol);
+
+  for (auto* f : {&u_, &u_old_, &u_tilde_, &u_next_, &flux_, &rhs_, &inertia_, &conductance_, &mean_u_, &mean_grad_p_})
+    reset(*f, local_);
+  for (auto& level : eps_f_) reset(level, local_);
+  for (auto& level : eps_) level.reset(local_, 1.0);
+  for (auto* c : {&p_, &phi_, &dilation_, &imbalance_}) c->reset(local_);
+  imposed_ = settings_.pressure_gradient;
+}
+
+FluidSolver::~FluidSolver() = default;
+
+void FluidSolver::fill(FaceField<FineGrid>& u, bool ghosts) const {
+  for (int d = 0; d < 3; ++d) face_halo_[d].bring<double>(u[d]);
+  if (ghosts) boundaries_.apply(u);
+}
+
+void FluidSolver::fill(CellField<FineGrid>& c) const {
+  cell_halo_.bring<double>(c);
+}
+
+void FluidSolver::start(const CellField<FineGrid>& eps) {
+  time_ = 0;
+  dt_previous_ = 0;
+  eps_[0] = eps;
+  momentum_.face_mean(eps_[0], eps_f_[0]);
+  boundaries_.apply_face_eps(eps_f_[0]);
+  eps_[1] = eps_[0];
+  eps_f_[1] = eps_f_[0];
+  p_.fill(0);
+  for (int d = 0; d < 3; ++d) u_[d].fill(boundaries_.component_solved(d) ? settings_.initial_velocity[d] : 0.0);
+  boundaries_.update();
+  fill(u_);
+  u_old_ = u_;
+  mean_u_ = u_;
+  reset(mean_grad_p_, local_);
+}
+
+void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const CellField<FineGrid>& p,
+                            const CellField<FineGrid>& eps, double dt_previous, const FaceField<FineGrid>& u_previous,
+                            const CellField<FineGrid>& eps_previous) {
+  time_ = time;
+  dt_previous_ = dt_previous;
+  boundaries_.update();
+  for (int d = 0; d < 3; ++d) copy(u[d], u_[d], faces_[d]), copy(u_previous[d], u_old_[d], faces_[d]);
+  fill(u_);
+  fill(u_old_);
+  copy(p, p_, own_);
+  eps_[0] = eps;
+  eps_[1] = eps_previous;
+  for (int level : {0, 1}) {
+    momentum_.face_mean(eps_[level], eps_f_[level]);
+    boundaries_.apply_face_eps(eps_f_[level]);
+  }
+}
+
+FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
+  FluidReport report;
+  for (int d = 0; d < 3; ++d) mean_u_[d].fill(0), mean_grad_p_[d].fill(0);
+  double done = 0;
+  while (done < interval * (1 - 1e-12)) {
+    boundaries_.update();
+    Step step = formula(allowed_dt(interval - done));
+    for (;;) {
+      next_level(eps, std::min(1.0, (done + step.dt) / interval), interval);
+      extrapolate(step);
+      predict(step, exchange);
+      project(step, exchange, report);
+      correct();
+      hold_flow_rate(exchange);
+      const double cfl = courant_rate(u_next_) * step.dt;
+      if (!std::isfinite(cfl)) {
+        std::ostringstream text;
+        text << "the fluid's velocity is not finite at t = " << time_ + step.dt << " s (fluid step " << step.dt
+             << " s); wanted: finite values; lower 'cfl' (" << settings_.cfl << ") or 'every', or coarsen 'fine'";
+        throw std::runtime_error(text.str());
+      }
+      report.cfl = std::max(report.cfl, cfl);
+      // A sudden inflow may break the limit only after the projection has seen it: take the step again, smaller.
+      if (cfl <= 1 || settings_.convection == Convection::kNone || settings_.dt > 0) break;
+      previous_level();
+      step = formula(0.5 * step.dt * std::min(1.0, 2 * settings_.cfl / cfl));
+    }
+    accept(step, interval);
+    measure(step, report);
+    done += step.dt;
+  }
+  return report;
+}
+
+FluidSolver::Step FluidSolver::formula(double dt) const {
+  Step s;
+  s.dt = dt;
+  s.r = dt_previous_ > 0 ? dt / dt_previous_ : 0;
+  s.a0 = (1 + 2 * s.r) / (1 + s.r);
+  s.a1 = -(1 + s.r);
+  s.a2 = s.r * s.r / (1 + s.r);
+  return s;
+}
+
+double FluidSolver::courant_rate(const FaceField<FineGrid>& u) const {
+  double rate = 0, finite = 0;
+  const std::array<std::ptrdiff_t, 3> s{p_.stride(0), p_.stride(1), p_.stride(2)};
+  for_each(own_, [&](int i, int j, int k) {
+    const std::ptrdiff_t m = p_.index(i, j, k);
+    const double x = std::max(std::abs(u[0].data()[m]), std::abs(u[0].data()[m + s[0]])) / momentum_.axis(0).width(i);
+    const double y = std::max(std::abs(u[1].data()[m]), std::abs(u[1].data()[m + s[1]])) / momentum_.axis(1).width(j);
+    const double z = std::max(std::abs(u[2].data()[m]), std::abs(u[2].data()[m + s[2]])) / momentum_.axis(2).width(k);
+    rate = std::max(rate, x + y + z);
+    finite += x + y + z;
+  });
+  if (!std::isfinite(finite)) rate = INFINITY;
+  MPI_Allreduce(MPI_IN_PLACE, &rate, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  return rate;
+}
+
+double FluidSolver::allowed_dt(double left) {
+  boundaries_.apply_normal(u_);
+  double limit = settings_.dt > 0 ? settings_.dt : left;
+  if (settings_.convection != Convection::kNone && settings_.dt == 0) {
+    const double rate = courant_rate(u_);
+    if (rate > 0) limit = std::min(limit, settings_.cfl / rate);
+    if (dt_previous_ > 0) limit = std::min(limit, 2 * dt_previous_);  // BDF2 is zero-stable up to a ratio of 2.41
+  }
+  // Extrapolated viscous terms: BDF2 is stable up to a step of 1/3 h^2/nu in one direction, 4/3 of it for div(tau).
+  double widest = 0;
+  for (int d = 0; d < 3; ++d) {
+    double h = INFINITY;
+    for (int i = 0; i < grid_.axis[d].n(); ++i) h = std::min(h, grid_.axis[d].width(i));
+    if (boundaries_.component_solved(d) || grid_.axis[d].n() > 1) widest += 1 / (h * h);
+  }
+  const double viscous_limit = 0.2 * settings_.density / (settings_.viscosity * widest + 1e-300);
+  implicit_viscosity_ = settings_.implicit_viscosity == Choice::kOn ||
+                        (settings_.implicit_viscosity == Choice::kAuto && viscous_limit < limit);
+  if (!implicit_viscosity_ && settings_.dt == 0) limit = std::min(limit, viscous_limit);
+  if (limit >= left * (1 - 1e-9)) return left;
+  // The step stays what it was where it may, since BDF2 is at its best with a constant one.
+  if (dt_previous_ > 0 && dt_previous_ <= limit && dt_previous_ > 0.6 * limit) {
+    const double steps = left / dt_previous_;
+    if (std::abs(steps - std::round(steps)) < 1e-6) return left / std::round(steps);
+  }
+  return left / std::ceil(left / limit - 1e-9);
+}
+
+void FluidSolver::next_level(const VoidFractionInTime& eps, double s, double interval) {
+  std::swap(eps_[1], eps_[2]);
+  std::swap(eps_[0], eps_[1]);
+  std::swap(eps_f_[1], eps_f_[2]);
+  std::swap(eps_f_[0], eps_f_[1]);
+  double* e = eps_[0].data();
+  for (std::size_t m = 0; m < eps_[0].size(); ++m) e[m] = eps.at(m, s, interval);
+  momentum_.face_mean(eps_[0], eps_f_[0]);
+  boundaries_.apply_face_eps(eps_f_[0]);
+}
+
+void FluidSolver::previous_level() {
+  std::swap(eps_[0], eps_[1]);
+  std::swap(eps_[1], eps_[2]);
+  std::swap(eps_f_[0], eps_f_[1]);
+  std::swap(eps_f_[1], eps_f_[2]);
+}
+
+void FluidSolver::extrapolate(const Step& step) {
+  for (int d = 0; d < 3; ++d) {
+    const double *now = u_[d].data(), *old = u_old_[d].data();
+    double* t = u_tilde_[d].data();
+    for (std::size_t m = 0; m < u_[d].size(); ++m) t[m] = now[m] + step.r * (now[m] - old[m]);
+  }
+  boundaries_.apply(u_tilde_);
+  for (int d = 0; d < 3; ++d) {
+    const double *t = u_tilde_[d].data(), *e = eps_f_[0][d].data();
+    double* f = flux_[d].data();
+    for (std::size_t m = 0; m < flux_[d].size(); ++m) f[m] = e[m] * t[m];
+  }
+}
+
+/// rhs -= s (grad p + G) V, on own faces.
+void FluidSolver::pressure_force(FaceField<FineGrid>& rhs, const Interphase& exchange) {
+  fill(p_);
+  boundaries_.apply_pressure(p_, u_tilde_, settings_.density);
+  for (int d = 0; d < 3; ++d) {
+    if (!boundaries_.component_solved(d)) continue;
+    const std::ptrdiff_t s = p_.stride(d);
+    const double* chi = exchange.chi[d].size() ? exchange.chi[d].data() : nullptr;
+    const double* p = p_.data();
+    double* o = rhs[d].data();
+    for_each(faces_[d], [&](int i, int j, int k) {
+      const std::ptrdiff_t m = p_.index(i, j, k);
+      const Int3 x{i, j, k};
+      const double gradient = (p[m] - p[m - s]) / momentum_.axis(d).face_width(x[d]) + imposed_[d];
+      o[m] -= (chi ? 1 - chi[m] : 1.0) * gradient * momentum_.volume(d, i, j, k);
+    });
+  }
+}
+
+void FluidSolver::predict(const Step& step, const Interphase& exchange) {
+  const double rho = settings_.density, mu = settings_.viscosity;
+  for (auto& c : rhs_) c.fill(0);
+  momentum_.convect(rho, flux_, u_tilde_, settings_.convection, rhs_);
+  if (mu > 0 && !implicit_viscosity_) momentum_.viscous(mu, eps_[0], u_tilde_, rhs_);
+  pressure_force(rhs_, exchange);
+
+  const bool gap = settings_.gap_friction;
+  double friction = 0;  // of the walls of a one-cell gap, 12 mu/W^2
+  for (int d = 0; gap && d < 3; ++d)
+    if (!boundaries_.component_solved(d)) friction = 12 * mu / (grid_.axis[d].length() * grid_.axis[d].length());
+  const bool has_q = exchange.mass_source.size() > 0;
+  for (int d = 0; d < 3; ++d) {
+    if (!boundaries_.component_solved(d)) continue;
+    const double *now = u_[d].data(), *old = u_old_[d].data(), *e0 = eps_f_[0][d].data(), *e1 = eps_f_[1][d].data(),
+                 *e2 = eps_f_[2][d].data(), *tilde = u_tilde_[d].data();
+    const double* source = exchange.source[d].size() ? exchange.source[d].data() : nullptr;
+    const double* beta = exchange.beta[d].size() ? exchange.beta[d].data() : nullptr;
+    const double* q = has_q ? exchange.mass_source.data() : nullptr;
+    const std::ptrdiff_t s = p_.stride(d);
+    double *o = rhs_[d].data(), *A = inertia_[d].data(), *next = u_next_[d].data();
+    const double c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt, c0 = rho * step.a0 / step.dt;
+    for_each(faces_[d], [&](int i, int j, int k) {
+      const std::ptrdiff_t m = p_.index(i, j, k);
+      const double V = momentum_.volume(d, i, j, k);
+      double force = -c1 * e1[m] * now[m] - (step.r > 0 ? c2 * e2[m] * old[m] : 0.0);
+      if (source) force += source[m];
+      if (q) force += rho * 0.5 * (q[m] + q[m - s]) * tilde[m];
+      A[m] = c0 * e0[m] + (beta ? beta[m] : 0.0) + friction * e0[m];
+      o[m] += force * V;
+      next[m] = o[m] / (A[m] * V);
+    });
+  }
+  for (int d = 0; d < 3; ++d)
+    if (!boundaries_.component_solved(d)) u_next_[d].fill(0);
+  boundaries_.apply_normal(u_next_);
+  if (implicit_viscosity_ && mu > 0) {
+    if (!viscous_solver_)
+      viscous_solver_ = std::make_unique<ViscousSolver>(comm_, boundaries_, momentum_, faces_, local_, face_halo_);
+    viscous_solver_->solve(mu, eps_[0], inertia_, rhs_, u_next_);
+  }
+}
+
+void FluidSolver::project(const Step& step, const Interphase& exchange, FluidReport& report) {
+  for (int d = 0; d < 3; ++d) face_halo_[d].bring<double>(u_next_[d]);
+  boundaries_.apply_normal(u_next_);
+
+  // Conductance of faces: eps s/A times area over the distance of the centres (half of it at an outlet).
+  for (int d = 0; d < 3; ++d) {
+    const double* chi = exchange.chi[d].size() ? exchange.chi[d].data() : nullptr;
+    const double *e = eps_f_[0][d].data(), *A = inertia_[d].data();
+    double* g = conductance_[d].data();
+    const auto& state = boundaries_.state(d);
+    const bool periodic = grid_.axis[d].periodic();
+    const int n = grid_.axis[d].n();
+    const bool solved = boundaries_.component_solved(d);
+    for_each(faces_[d], [&](int i, int j, int k) {
+      const std::ptrdiff_t m = p_.index(i, j, k);
+      const Int3 x{i, j, k};
+      if (!solved || state.data()[m] == FaceState::kFixed) {
+        g[m] = 0;
+        return;
+      }
+      const double w = momentum_.axis(d).face_width(x[d]);
+      const bool edge = !periodic && (x[d] == 0 || x[d] == n);
+      g[m] = e[m] * (chi ? 1 - chi[m] : 1.0) / A[m] * grid_.area(d, i, j, k) / (edge ? 0.5 * w : w);
+    });
+  }
+  // What is missing in continuity: sum of eps u* A + (d(eps)/dt - q) V.
+  const double b0 = step.a0 / step.dt, b1 = step.a1 / step.dt, b2 = step.a2 / step.dt;
+  const double *e0 = eps_[0].data(), *e1 = eps_[1].data(), *e2 = eps_[2].data();
+  const double* q = exchange.mass_source.size() ? exchange.mass_source.data() : nullptr;
+  const std::array<std::ptrdiff_t, 3> s{p_.stride(0), p_.stride(1), p_.stride(2)};
+  double *dil = dilation_.data(), *b = imbalance_.data();
+  double scale = 0, sum = 0;
+  for_each(own_, [&](int i, int j, int k) {
+    const std::ptrdiff_t m = p_.index(i, j, k);
+    double change = b0 * e0[m] + b1 * e1[m] + (step.r > 0 ? b2 * e2[m] : 0.0);
+    if (q) change -= q[m];
+    dil[m] = change;
+    double flow = 0;
+    for (int d = 0; d < 3; ++d) {
+      const double A = grid_.area(d, i, j, k);
+      const double lo = eps_f_[0][d].data()[m] * u_next_[d].data()[m];
+      const double hi = eps_f_[0][d].data()[m + s[d]] * u_next_[d].data()[m + s[d]];
+      flow += (hi - lo) * A;
+      scale = std::max(scale, std::max(std::abs(lo), std::abs(hi)));
+    }
+    b[m] = flow + change * grid_.volume(i, j, k);
+    sum += b[m];
+  });
+  double total_volume = 1;
+  for (int d = 0; d < 3; ++d) total_volume *= grid_.axis[d].length();
+  MPI_Allreduce(MPI_IN_PLACE, &scale, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  velocity_scale_ = scale;
+  if (!boundaries_.open()) {
+    // A closed or periodic domain: what is left over is the round-off of the solid volume's conservation.
+    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
+    const double excess = sum / total_volume;
+    for_each(own_, [&](int i, int j, int k) {
+      dilation_(i, j, k) -= excess;
+      imbalance_(i, j, k) -= excess * grid_.volume(i, j, k);
+    });
+  }
+  pressure_solver_->set_operator(conductance_, !boundaries_.open());
+  // Continuity error wanted: |r| h/(U V) <= rtol in the root mean square over cells.
+  const double cells = double(grid_.n()[0]) * grid_.n()[1] * grid_.n()[2];
+  const double cell_volume = total_volume / cells, h = std::cbrt(cell_volume);
+  const double atol = settings_.pressure_rtol * scale * cell_volume / h * std::sqrt(cells);
+  phi_.fill(0);
+  report.pressure_iterations += pressure_solver_->solve(imbalance_, phi_, atol);
+}
+
+void FluidSolver::correct() {
+  fill(phi_);
+  boundaries_.apply_correction(phi_);
+  // u^{n+1} = u* - s/A grad phi, with s/A from the conductance: g = eps s/A area/distance.
+  for (int d = 0; d < 3; ++d) {
+    if (!boundaries_.component_solved(d)) continue;
+    const std::ptrdiff_t s = p_.stride(d);
+    const double *g = conductance_[d].data(), *e = eps_f_[0][d].data(), *f = phi_.data();
+    double* u = u_next_[d].data();
+    const bool periodic = grid_.axis[d].periodic();
+    const int n = grid_.axis[d].n();
+    for_each(faces_[d], [&](int i, int j, int k) {
+      const std::ptrdiff_t m = p_.index(i, j, k);
+      const Int3 x{i, j, k};
+      const bool edge = !periodic && (x[d] == 0 || x[d] == n);
+      // Ghosts are mirrored through zero at an outlet: half the difference belongs to half the distance.
+      u[m] -= g[m] / (e[m] * grid_.area(d, i, j, k)) * (f[m] - f[m - s]) * (edge ? 0.5 : 1.0);
+    });
+  }
+  fill(u_next_);
+  if (implicit_viscosity_)
+    for_each(own_, [&](int i, int j, int k) {
+      phi_(i, j, k) -= 4.0 / 3.0 * settings_.viscosity * imbalance_(i, j, k) / grid_.volume(i, j, k);
+    });
+}
+
+void FluidSolver::hold_flow_rate(const Interphase& exchange) {
+  for (int d = 0; d < 3; ++d) {
+    if (!settings_.flow_rate_set[d]) continue;
+    // Potential that answers a unit mean gradient in d: div(g (grad chi + e_d)) = 0.
+    if (response_.size() == 0) response_.reset(local_);
+    const std::ptrdiff_t s = p_.stride(d);
+    FaceComponent<FineGrid>& g = conductance_[d];
+    face_halo_[d].bring<double>(g);
+    double total_volume = 1;
+    for (int a = 0; a < 3; ++a) total_volume *= grid_.axis[a].length();
+    for_each(own_, [&](int i, int j, int k) {
+      const std::ptrdiff_t m = p_.index(i, j, k);
+      const Int3 x{i, j, k};
+      imbalance_.data()[m] = -(g.data()[m + s] * momentum_.axis(d).face_width(x[d] + 1) -
+                               g.data()[m] * momentum_.axis(d).face_width(x[d]));
+    });
+    pressure_solver_->solve(imbalance_, response_, 0);
+    fill(response_);
+    boundaries_.apply_correction(response_);
+    // Mean flux now, and its answer to a unit gradient.
+    std::array<double, 2> mean{0, 0};
+    for_each(faces_[d], [&](int i, int j, int k) {
+      const std::ptrdiff_t m = p_.index(i, j, k);
+      const Int3 x{i, j, k};
+      const double w = momentum_.axis(d).face_width(x[d]), A = grid_.area(d, i, j, k);
+      const double answer = g.data()[m] * (w + response_.data()[m] - response_.data()[m - s]);  // m3/s per Pa/m
+      mean[0] += eps_f_[0][d].data()[m] * u_next_[d].data()[m] * A * w;
+      mean[1] += answer * w;
+    });
+    MPI_Allreduce(MPI_IN_PLACE, mean.data(), 2, MPI_DOUBLE, MPI_SUM, comm_);
+    const double wanted = settings_.flow_rate[d] - exchange.particle_flux[d];
+    const double change = (mean[0] / total_volume - wanted) / (mean[1] / total_volume);
+    imposed_[d] += change;
+    for (int c = 0; c < 3; ++c) {
+      const std::ptrdiff_t sc = p_.stride(c);
+      for_each(faces_[c], [&](int i, int j, int k) {
+        const std::ptrdiff_t m = p_.index(i, j, k);
+        const Int3 x{i, j, k};
+        const double drop =
+            response_.data()[m] - response_.data()[m - sc] + (c == d ? momentum_.axis(d).face_width(x[d]) : 0.0);
+        u_next_[c].data()[m] -=
+            change * conductance_[c].data()[m] / (eps_f_[0][c].data()[m] * grid_.area(c, i, j, k)) * drop;
+      });
+    }
+    for_each(own_, [&](int i, int j, int k) { phi_(i, j, k) += change * response_(i, j, k); });
+    fill(u_next_);
+  }
+}
+
+void FluidSolver::accept(const Step& step, double interval) {
+  for_each(own_, [&](int i, int j, int k) { p_(i, j, k) += phi_(i, j, k); });
+  for (int d = 0; d < 3; ++d) u_old_[d].swap(u_[d]), u_[d].swap(u_next_[d]);
+  fill(p_);
+  boundaries_.apply_pressure(p_, u_tilde_, settings_.density);
+  const double share = step.dt / interval;
+  for (int d = 0; d < 3; ++d) {
+    const std::ptrdiff_t s = p_.stride(d);
+    const double *u = u_[d].data(), *e = eps_f_[0][d].data(), *p = p_.data();
+    double *f = flux_[d].data(), *mu = mean_u_[d].data(), *mg = mean_grad_p_[d].data();
+    for (std::size_t m = 0; m < u_[d].size(); ++m) f[m] = e[m] * u[m], mu[m] += share * u[m];
+    if (boundaries_.component_solved(d))
+      for_each(faces_[d], [&](int i, int j, int k) {
+        const std::ptrdiff_t m = p_.index(i, j, k);
+        const Int3 x{i, j, k};
+        mg[m] += share * ((p[m] - p[m - s]) / momentum_.axis(d).face_width(x[d]) + imposed_[d]);
+      });
+  }
+  time_ += step.dt;
+  dt_previous_ = step.dt;
+}
+
+void FluidSolver::measure(const Step& step, FluidReport& report) {
+  ++report.steps;
+  report.dt = step.dt;
+  const std::array<std::ptrdiff_t, 3> s{p_.stride(0), p_.stride(1), p_.stride(2)};
+  double worst = 0;
+  std::array<double, 7> sum{0, 0, 0, 0, 0, 0, 0};  // inflow, outflow, displaced, p A and A at inlets, at outlets
+  for_each(own_, [&](int i, int j, int k) {
+    const std::ptrdiff_t m = p_.index(i, j, k);
+    double flow = 0;
+    for (int d = 0; d < 3; ++d) flow += (flux_[d].data()[m + s[d]] - flux_[d].data()[m]) * grid_.area(d, i, j, k);
+    const double V = grid_.volume(i, j, k);
+    worst = std::max(worst, std::abs(flow / V + dilation_.data()[m]) * std::cbrt(V));
+    sum[2] -= dilation_.data()[m] * V;
+  });
+  for (int side = 0; side < 6; ++side)
+    boundaries_.for_each_face(side, [&](int, int i, int j, int k) {
+      const int d = direction(side);
+      const double A = grid_.area(d, i, j, k), flow = (is_high(side) ? -1 : 1) * flux_[d](i, j, k) * A;
+      Int3 in{i, j, k};
+      if (is_high(side)) --in[d];
+      const BoundaryKind kind = boundaries_.kind(side, i, j, k);
+      sum[flow > 0 ? 0 : 1] += std::abs(flow);
+      if (kind == BoundaryKind::kInlet) sum[3] += p_(in[0], in[1], in[2]) * A, sum[4] += A;
+      if (kind == BoundaryKind::kPressure) {
+        Int3 out = in;
+        out[d] += is_high(side) ? 1 : -1;
+        sum[5] += 0.5 * (p_(in[0], in[1], in[2]) + p_(out[0], out[1], out[2])) * A, sum[6] += A;
+      }
+    });
+  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 7, MPI_DOUBLE, MPI_SUM, comm_);
+  report.divergence_error = velocity_scale_ > 0 ? worst / velocity_scale_ : 0;
+  report.inflow = sum[0], report.outflow = sum[1], report.displaced = sum[2];
+  report.pressure_drop = (sum[4] > 0 ? sum[3] / sum[4] : 0) - (sum[6] > 0 ? sum[5] / sum[6] : 0);
+}
+
+Vec3 FluidSolver::total_momentum() const {
+  Vec3 sum{0, 0, 0};
+  for (int d = 0; d < 3; ++d)
+    for_each(faces_[d], [&](int i, int j, int k) {
+      if (boundaries_.state(d)(i, j, k) == FaceState::kSolved)
+        sum[d] += settings_.density * eps_f_[0][d](i, j, k) * u_[d](i, j, k) * momentum_.volume(d, i, j, k);
+    });
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, comm_);
+  return sum;
+}
+
+Vec3 FluidSolver::pending_momentum() const {
+  Vec3 sum{0, 0, 0};
+  for (int d = 0; d < 3; ++d)
+    for_each(faces_[d], [&](int i, int j, int k) {
+      if (boundaries_.state(d)(i, j, k) == FaceState::kSolved)
+        sum[d] += 0.5 * settings_.density * momentum_.volume(d, i, j, k) *
+                  (eps_f_[0][d](i, j, k) * u_[d](i, j, k) - eps_f_[1][d](i, j, k) * u_old_[d](i, j, k));
+    });
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, comm_);
+  return sum;
+}
+
+}  // namespace twogrid

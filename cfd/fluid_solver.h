@@ -1,0 +1,129 @@
+// The volume-averaged Navier-Stokes equations on a staggered tensor-product grid.
+//
+//   mass       d(eps)/dt + div(eps u) = q
+//   momentum   rho [ d(eps u)/dt + div(eps u u) ] = -s (grad p + G) + div(eps tau) + source - beta u,   s = 1 - chi
+//
+// One step t^n -> t^{n+1} = t^n + dt (BDF2 with variable step; r = dt/dt_previous,
+// a0 = (1+2r)/(1+r), a1 = -(1+r), a2 = r^2/(1+r); the first step is backward Euler):
+//   (1) extrapolate  u~ = (1+r) u^n - r u^{n-1},  F~ = eps^{n+1} u~
+//   (2) predict      A u* = -rho/dt (a1 eps^n u^n + a2 eps^{n-1} u^{n-1}) - rho div(F~ u~) + div(eps tau(u~))
+//                           - s (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
+//                    (implicit viscosity: tau(u*) on the left, conjugate gradients)
+//   (3) project      div( eps s/A grad phi ) = div(eps u*) + d(eps)/dt - q,   d(eps)/dt by the same BDF2 formula
+//   (4) correct      u^{n+1} = u* - s/A grad phi,   p^{n+1} = p^n + phi  (- 4/3 mu/s (div(eps u*) + d(eps)/dt - q),
+//   rotational
+//                    form of Guermond & Shen (2004), when viscosity is implicit)
+// All at t^{n+1}; eps on faces is the volume-weighted mean of the cells'; prescribed faces keep their value.
+#pragma once
+
+#include <mpi.h>
+
+#include <memory>
+
+#include "block_exchange.h"
+#include "boundary.h"
+#include "fluid.h"
+#include "fluid_settings.h"
+#include "momentum.h"
+
+namespace twogrid {
+
+class PressureSolver;
+class ViscousSolver;
+
+class FluidSolver : public Fluid {
+ public:
+  /// Collective. The settings are copied. Throws std::invalid_argument with a sentence when they can't be right.
+  FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, const FluidSettings& settings);
+  ~FluidSolver() override;
+
+  const FineGrid& grid() const override { return grid_; }
+  const Layout& layout() const override { return layout_; }
+  double density() const override { return settings_.density; }
+  double viscosity() const override { return settings_.viscosity; }
+  const Array3<FaceState>& face_state(int d) const override { return boundaries_.state(d); }
+  const FaceField<FineGrid>& velocity() const override { return u_; }
+  const FaceField<FineGrid>& mean_velocity() const override { return mean_u_; }
+  const FaceField<FineGrid>& mean_pressure_gradient() const override { return mean_grad_p_; }
+  const CellField<FineGrid>& pressure() const override { return p_; }
+  const CellField<FineGrid>& void_fraction() const override { return eps_[0]; }
+  double time() const override { return time_; }
+
+  void start(const CellField<FineGrid>& eps) override;
+  FluidReport advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) override;
+
+  /// Settings that may change between runs (inlet values, tolerances); the grid and the kinds of boundary may not.
+  FluidSettings& settings() { return settings_; }
+  const Boundaries& boundaries() const { return boundaries_; }
+  const Momentum& momentum() const { return momentum_; }
+
+  /// For verification: the state at two levels, t^n = time and t^{n-1} = time - dt_previous. The fields cover own
+  /// values and are copied; halos are filled here. Collective.
+  void set_state(double time, const FaceField<FineGrid>& u, const CellField<FineGrid>& p,
+                 const CellField<FineGrid>& eps, double dt_previous, const FaceField<FineGrid>& u_previous,
+                 const CellField<FineGrid>& eps_previous);
+  /// d(eps)/dt - q of the last step, as continuity was solved (1/s, own cells).
+  const CellField<FineGrid>& dilation() const { return dilation_; }
+  /// eps u on faces, after the last step (m/s, halo filled).
+  const FaceField<FineGrid>& flux() const { return flux_; }
+  /// rho sum of eps u V over solved faces: momentum of the fluid (N s). Collective.
+  Vec3 total_momentum() const;
+  /// Momentum that BDF2 has still to hand on: rho/2 ((eps u V)^n - (eps u V)^{n-1}); total + pending changes by exactly
+  /// force times dt when the step is constant. Collective.
+  Vec3 pending_momentum() const;
+  /// Imposed mean pressure gradient G of periodic directions (Pa/m), as controlled for a given flow rate.
+  const Vec3& imposed_gradient() const { return imposed_; }
+
+ private:
+  /// A time step and its BDF2 weights.
+  struct Step {
+    double dt, r, a0, a1, a2;
+  };
+  Step formula(double dt) const;
+  double allowed_dt(double interval_left);
+  void next_level(const VoidFractionInTime& eps, double s, double interval);
+  void previous_level();
+  void extrapolate(const Step& step);
+  void predict(const Step& step, const Interphase& exchange);
+  void project(const Step& step, const Interphase& exchange, FluidReport& report);
+  void correct();
+  void hold_flow_rate(const Interphase& exchange);
+  void accept(const Step& step, double interval);
+  void measure(const Step& step, FluidReport& report);
+  void pressure_force(FaceField<FineGrid>& rhs, const Interphase& exchange);
+  double courant_rate(const FaceField<FineGrid>& u) const;
+  void fill(FaceField<FineGrid>& u, bool ghosts = true) const;
+  void fill(CellField<FineGrid>& c) const;
+
+  MPI_Comm comm_;
+  int rank_ = 0;
+  FineGrid grid_;
+  Layout layout_;
+  FluidSettings settings_;
+  Box own_, local_;
+  std::array<Box, 3> faces_;  // own faces
+  Boundaries boundaries_;
+  Momentum momentum_;
+  BlockExchange cell_halo_;
+  std::array<BlockExchange, 3> face_halo_;
+  std::unique_ptr<PressureSolver> pressure_solver_;
+  std::unique_ptr<ViscousSolver> viscous_solver_;  // made when first needed
+
+  // State: what a checkpoint must hold.
+  double time_ = 0, dt_previous_ = 0;       // s; 0: no history
+  FaceField<FineGrid> u_, u_old_;           // u^n, u^{n-1} (m/s)
+  CellField<FineGrid> p_;                   // dynamic pressure (Pa)
+  std::array<CellField<FineGrid>, 3> eps_;  // eps^n (after a step: the newest), eps^{n-1}, spare
+  Vec3 imposed_{0, 0, 0};                   // G (Pa/m)
+
+  // Work.
+  std::array<FaceField<FineGrid>, 3> eps_f_;                                   // eps on faces, levels as eps_
+  FaceField<FineGrid> u_tilde_, u_next_, flux_, rhs_, inertia_, conductance_;  // inertia_: A (kg/(m3 s))
+  CellField<FineGrid> phi_, dilation_, imbalance_;
+  CellField<FineGrid> response_;  // potential answering a unit mean gradient (flow-rate control)
+  FaceField<FineGrid> mean_u_, mean_grad_p_;
+  double velocity_scale_ = 0;  // largest |eps u| (m/s)
+  bool implicit_viscosity_ = false;
+};
+
+}  // namespace twogrid
