@@ -1,0 +1,281 @@
+#include "hdf5_file.h"
+
+#include <fcntl.h>
+#include <hdf5.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <numeric>
+#include <stdexcept>
+
+namespace twogrid {
+
+namespace {
+
+/// While it lives, HDF5 prints no error stack of its own.
+class Quiet {
+ public:
+  Quiet() {
+    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+
+ private:
+  H5E_auto2_t print_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// An HDF5 handle and the function that releases it.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*release)(hid_t)) : id_(id), release_(release) {}
+  ~Handle() {
+    if (id_ >= 0) release_(id_);
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+  herr_t (*release_)(hid_t);
+};
+
+/// Innermost description of HDF5's error stack.
+std::string innermost_error() {
+  std::string text;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned n, const H5E_error2_t* e, void* out) -> herr_t {
+        if (n == 0 && e->desc) *static_cast<std::string*>(out) = e->desc;
+        return 0;
+      },
+      &text);
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  return text;
+}
+
+std::vector<hsize_t> dims(const std::vector<std::size_t>& v) {
+  return {v.begin(), v.end()};
+}
+
+std::size_t product(const std::vector<std::size_t>& v) {
+  return std::accumulate(v.begin(), v.end(), std::size_t(1), std::multiplies<>());
+}
+
+hid_t simple_space(const std::vector<std::size_t>& extent) {
+  if (extent.empty()) return H5Screate(H5S_SCALAR);
+  return H5Screate_simple(int(extent.size()), dims(extent).data(), nullptr);
+}
+
+herr_t select(hid_t space, const std::vector<std::size_t>& offset, const std::vector<std::size_t>& count, int rank) {
+  if (product(count) == 0 || (count.empty() && rank != 0)) return H5Sselect_none(space);
+  if (count.empty()) return H5Sselect_all(space);
+  return H5Sselect_hyperslab(space, H5S_SELECT_SET, dims(offset).data(), nullptr, dims(count).data(), nullptr);
+}
+
+/// Opens the file (or makes it), reserves room beyond its end (from its start, if it will be written anew), and says in
+/// a sentence why that is impossible; empty: it is possible. HDF5 and MPI give no reason, and end badly on a full disk.
+std::string reserve(const std::string& path, bool create, double bytes) {
+  const std::string remedy =
+      "; give the path of a file in a directory that exists and may be written "
+      "(fix_modify ID output file)";
+  auto refusal = [&](const std::string& why) {
+    return "the output file '" + path + "' cannot be written (" + why + ")";
+  };
+  struct stat s;
+  if (stat(path.c_str(), &s) == 0 && !S_ISREG(s.st_mode)) return refusal("it is not a regular file") + remedy;
+  const int f = open(path.c_str(), create ? O_WRONLY | O_CREAT : O_WRONLY, 0666);
+  if (f < 0) return refusal(std::strerror(errno)) + remedy;
+  std::string why;
+  if (fstat(f, &s) != 0) why = std::strerror(errno);
+  const off_t from = create ? 0 : s.st_size, count = off_t(bytes);
+  if (why.empty() && count > 0 && fallocate(f, 0, from, count) != 0) {
+    struct statvfs disk;
+    if (errno != EOPNOTSUPP)
+      why = std::strerror(errno);
+    else if (fstatvfs(f, &disk) == 0 && double(disk.f_bavail) * double(disk.f_frsize) < bytes)
+      why = "its disk is full";
+    if (!why.empty() && ftruncate(f, s.st_size) != 0) why += ", " + std::string(std::strerror(errno));
+  }
+  ::close(f);
+  if (why.empty()) return "";
+  return refusal(why) + ": the next " + std::to_string((long long)(bytes / 1024) + 1) +
+         " kB have no room; free some space, write fewer frames (fix_modify ID output every) or elsewhere (output "
+         "file)";
+}
+
+}  // namespace
+
+Hdf5File::Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double bytes) : comm_(comm), path_(path) {
+  static_assert(sizeof(long) == sizeof(hid_t), "handles are kept as long");
+  MPI_Comm_rank(comm, &rank_);
+  const bool create = mode == Mode::kCreate;
+  agree(rank_ == 0 ? reserve(path, create, bytes) : "");
+
+  Quiet quiet;
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
+  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+  H5Pset_coll_metadata_write(access, true);
+  H5Pset_all_coll_metadata_ops(access, true);
+  file_ = create ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
+                 : H5Fopen(path.c_str(), H5F_ACC_RDWR, access);
+  int bad = file_ < 0, any = 0;
+  MPI_Allreduce(&bad, &any, 1, MPI_INT, MPI_MAX, comm);
+  if (any) {
+    failed(create ? "creating it" : "opening it");
+    close();
+  }
+}
+
+Hdf5File::~Hdf5File() {
+  Quiet quiet;
+  if (file_ >= 0) H5Fclose(file_);
+}
+
+std::string Hdf5File::library_version() {
+  unsigned a, b, c;
+  H5get_libversion(&a, &b, &c);
+  return std::to_string(a) + "." + std::to_string(b) + "." + std::to_string(c);
+}
+
+void Hdf5File::agree(std::string sentence) const {
+  unsigned long n = sentence.size();
+  MPI_Bcast(&n, 1, MPI_UNSIGNED_LONG, 0, comm_);
+  if (n == 0) return;
+  sentence.resize(n);
+  MPI_Bcast(sentence.data(), int(n), MPI_CHAR, 0, comm_);
+  throw std::runtime_error(sentence);
+}
+
+void Hdf5File::failed(const std::string& what) {
+  if (!ok_) return;
+  ok_ = false;
+  const std::string detail = innermost_error();
+  failure_ = what + (detail.empty() ? "" : ": " + detail);
+}
+
+void Hdf5File::group(const std::string& path) {
+  Quiet quiet;
+  if (H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0) return;
+  Handle g(H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  if (g < 0) failed("group " + path);
+}
+
+namespace {
+/// Writes an attribute of an object, in place of an older one. Returns false when HDF5 refuses.
+bool put_attribute(hid_t file, const std::string& object, const std::string& name, hid_t type, hid_t space,
+                   const void* value) {
+  Handle o(H5Oopen(file, object.c_str(), H5P_DEFAULT), H5Oclose);
+  if (o < 0) return false;
+  if (H5Aexists(o, name.c_str()) > 0) H5Adelete(o, name.c_str());
+  Handle a(H5Acreate2(o, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  return a >= 0 && H5Awrite(a, type, value) >= 0;
+}
+
+hid_t string_type(std::size_t length) {
+  const hid_t t = H5Tcopy(H5T_C_S1);
+  H5Tset_size(t, std::max<std::size_t>(1, length));
+  H5Tset_strpad(t, H5T_STR_NULLPAD);
+  H5Tset_cset(t, H5T_CSET_UTF8);
+  return t;
+}
+}  // namespace
+
+void Hdf5File::attribute(const std::string& object, const std::string& name, const std::string& value) {
+  Quiet quiet;
+  Handle type(string_type(value.size()), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+  if (!put_attribute(file_, object, name, type, space, value.c_str())) failed("attribute " + name);
+}
+
+void Hdf5File::attribute(const std::string& object, const std::string& name, double value) {
+  Quiet quiet;
+  Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  if (!put_attribute(file_, object, name, H5T_NATIVE_DOUBLE, space, &value)) failed("attribute " + name);
+}
+
+void Hdf5File::attribute(const std::string& object, const std::string& name, const std::vector<int>& value) {
+  Quiet quiet;
+  Handle space(simple_space({value.size()}), H5Sclose);
+  if (!put_attribute(file_, object, name, H5T_NATIVE_INT, space, value.data())) failed("attribute " + name);
+}
+
+void Hdf5File::write(const std::string& path, const Slab& s, long type, const void* value, const std::string& unit) {
+  Quiet quiet;
+  const bool exists = H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0;
+  Handle file_space(simple_space(s.extent), H5Sclose);
+  Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);  // every value is written once, by its owner
+  Handle set(exists ? H5Dopen2(file_, path.c_str(), H5P_DEFAULT)
+                    : H5Dcreate2(file_, path.c_str(), type, file_space, H5P_DEFAULT, creation, H5P_DEFAULT),
+             H5Dclose);
+  Handle memory_space(simple_space(s.memory_extent.empty() ? s.count : s.memory_extent), H5Sclose);
+  Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+  if (set < 0) return failed("dataset " + path);
+  const std::vector<std::size_t> packed(s.count.size(), 0);
+  if (select(file_space, s.offset, s.count, rank_) < 0 ||
+      select(memory_space, s.memory_offset.empty() ? packed : s.memory_offset, s.count, rank_) < 0)
+    failed("selection in " + path);
+  if (product(s.extent) > 0 && H5Dwrite(set, type, memory_space, file_space, transfer, value) < 0)
+    failed("writing " + path);
+  if (!unit.empty() && !exists) {
+    Handle text(string_type(unit.size()), H5Tclose), scalar(H5Screate(H5S_SCALAR), H5Sclose);
+    if (!put_attribute(file_, path, "unit", text, scalar, unit.c_str())) failed("unit of " + path);
+  }
+}
+
+void Hdf5File::slab(const std::string& path, const Slab& s, const double* value, const std::string& unit) {
+  write(path, s, H5T_NATIVE_DOUBLE, value, unit);
+}
+
+void Hdf5File::slab(const std::string& path, const Slab& s, const int* value, const std::string& unit) {
+  write(path, s, H5T_NATIVE_INT, value, unit);
+}
+
+void Hdf5File::replicated(const std::string& path, const std::vector<double>& value,
+                          const std::vector<std::size_t>& extent, const std::string& unit) {
+  Slab s;
+  s.extent = extent;
+  s.offset.assign(extent.size(), 0);
+  s.count = extent;
+  if (rank_ != 0) s.count.assign(extent.size(), 0);
+  write(path, s, H5T_NATIVE_DOUBLE, value.data(), unit);
+}
+
+void Hdf5File::text(const std::string& path, const std::string& value) {
+  Handle type(string_type(value.size()), H5Tclose);
+  std::string copy = value;
+  copy.resize(std::max<std::size_t>(1, copy.size()));
+  write(path, Slab{}, type, copy.data(), "");
+}
+
+void Hdf5File::close() {
+  {
+    Quiet quiet;
+    if (file_ >= 0) {
+      if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) failed("flushing it");
+      if (H5Fclose(file_) < 0) failed("closing it");
+      file_ = -1;
+    }
+  }
+  int ranks = 1;
+  MPI_Comm_size(comm_, &ranks);
+  int first = ok_ ? ranks : rank_, whose = ranks;
+  MPI_Allreduce(&first, &whose, 1, MPI_INT, MPI_MIN, comm_);
+  if (whose == ranks) return;
+  unsigned long n = failure_.size();
+  MPI_Bcast(&n, 1, MPI_UNSIGNED_LONG, whose, comm_);
+  failure_.resize(n);
+  MPI_Bcast(failure_.data(), int(n), MPI_CHAR, whose, comm_);
+  throw std::runtime_error("the output file '" + path_ + "' could not be written (" + failure_ +
+                           "); see whether its disk is full, or give another path (fix_modify ID output file)");
+}
+
+}  // namespace twogrid

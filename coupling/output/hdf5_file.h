@@ -1,0 +1,72 @@
+// One HDF5 file that all ranks of a communicator write together (collective MPI-IO). The only place that knows HDF5.
+//
+// The file is open only between the constructor and close(), one frame at a time: between frames it is complete on
+// disk, so that a killed run leaves a readable file and others may read it meanwhile.
+//
+// A call that fails does not throw by itself: the other ranks would wait for ever in their next collective call. The
+// first failure is remembered, close() tells all ranks and throws on all of them.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace twogrid {
+
+/// Which part of a dataset a rank writes, and where these values lie in its memory; slowest dimension first. A count of
+/// zero in any dimension: the rank writes nothing.
+struct Slab {
+  std::vector<std::size_t> extent;  ///< of the dataset, the same on all ranks; empty: a scalar, written by rank 0
+  std::vector<std::size_t> offset, count;                 ///< of the rank's part
+  std::vector<std::size_t> memory_extent, memory_offset;  ///< of the array it is taken from; empty: packed, no gaps
+};
+
+class Hdf5File {
+ public:
+  enum class Mode { kCreate, kAppend };
+
+  /// Room for `bytes` more (of all ranks, an upper bound) is reserved on the disk first, so that a full disk is met
+  /// before anything is written and the file stays as it was. Collective. Throws std::runtime_error with a sentence on
+  /// all ranks when there is no such room or the file can't be created or opened.
+  Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double bytes);
+  /// Closes without a word; call close() to know.
+  ~Hdf5File();
+  Hdf5File(const Hdf5File&) = delete;
+  Hdf5File& operator=(const Hdf5File&) = delete;
+
+  static std::string library_version();
+
+  // All of the following are collective, with the same names and extents on all ranks. A dataset that exists already is
+  // written over, its extent must be the same.
+  void group(const std::string& path);
+  void attribute(const std::string& object, const std::string& name, const std::string& value);
+  void attribute(const std::string& object, const std::string& name, double value);
+  void attribute(const std::string& object, const std::string& name, const std::vector<int>& value);
+  /// Values of rank 0. An empty extent: a scalar.
+  void text(const std::string& path, const std::string& value);
+  void replicated(const std::string& path, const std::vector<double>& value, const std::vector<std::size_t>& extent,
+                  const std::string& unit = "");
+  /// Every rank its part.
+  void slab(const std::string& path, const Slab& slab, const double* value, const std::string& unit = "");
+  void slab(const std::string& path, const Slab& slab, const int* value, const std::string& unit = "");
+
+  /// Flushes and closes. Throws std::runtime_error with a sentence on all ranks if anything failed on any of them.
+  void close();
+
+ private:
+  void write(const std::string& path, const Slab& slab, long type, const void* value, const std::string& unit);
+  void failed(const std::string& what);
+  /// Rank 0 found what is wrong (empty: nothing): throws it on all ranks.
+  void agree(std::string sentence) const;
+
+  MPI_Comm comm_;
+  int rank_ = 0;
+  std::string path_;
+  long file_ = -1;
+  bool ok_ = true;
+  std::string failure_;  // the first one
+};
+
+}  // namespace twogrid

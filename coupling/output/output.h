@@ -1,0 +1,67 @@
+// What a run leaves behind: one HDF5 file with its record, the two grids, the frames and the time means, and beside it
+// XDMF files that open it in ParaView. Written by all ranks together; complete on disk after every frame.
+//
+//   /record                 attributes: version, commit, versions of libraries, ranks, date, settings; input_text
+//   (script) /grid/x,y,z             nodes of the fine grid (m); /particle_grid/x,y,z those of the particle grid,
+//   attribute ratio /fluid/NNNNNN/          frame NNNNNN (000000, 000001, ...):
+//     time, step            s; DEM step
+//     u    [nz][ny][nx][3]  interstitial velocity at cell centres (m/s), mean of the cell's two faces
+//     p, eps [nz][ny][nx]   dynamic pressure (Pa), void fraction
+//     faces/                with the field name `faces`: ux, uy, uz (m/s) on the faces, as the solver holds them.
+//                           [i] is the low face of cell i; in a direction that is not periodic there is one more, the
+//                           high side. Where the solver keeps them, also flux_x, flux_y, flux_z (eps u of the last
+//                           step, m/s) and deps_dt (d(eps)/dt less the volume source, 1/s): deps_dt + div(flux) = 0 in
+//                           every cell.
+//   /particles/NNNNNN/      time, step and, one row a particle, position, velocity, force (of all forces), drag,
+//                           pressure_force, radius, eps, id. Rows are in no order: sort by id to follow a particle.
+//                           Names and shapes are those of H5MD (de Buyl, Colberg & Hoefling 2014); other than there
+//                           every frame is a group of its own, as the number of particles may change.
+//   /average/               see averages.h; fine/... and particle_grid/... with batch/...
+#pragma once
+
+#include <mpi.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../particles.h"
+#include "../settings.h"
+
+namespace twogrid {
+
+class Fluid;
+
+/// What only the caller knows about the run. Rank 0's counts.
+struct Record {
+  std::string input_text;  ///< of the script
+  std::string command_line;
+  std::vector<std::pair<std::string, std::string>> versions;  ///< name, version of libraries (LIGGGHTS, PETSc)
+};
+
+/// Throws std::invalid_argument with a sentence when the settings can't be right. Local.
+void check(const OutputSettings& settings);
+
+class Output {
+ public:
+  /// Creates the files, over older ones of that name, and writes record and grids. The fluid must live as long.
+  /// Collective. Throws std::invalid_argument (settings) or std::runtime_error (file) with a sentence on all ranks.
+  Output(MPI_Comm comm, const Settings& settings, const Fluid& fluid, const Record& record);
+  ~Output();
+
+  /// Adds a frame of the fields at time t (s), DEM step `step`, and the means so far. Collective. Throws
+  /// std::runtime_error with a sentence on all ranks when it can't be written.
+  void frame(double t, long step, const Particles& particles);
+  /// Adds the present fields to the means, for a time of `weight` s, if the fluid's time has reached `average from`.
+  /// No message.
+  void average(double weight, const Particles& particles);
+  /// Writes the means. To be called at the end of every run; more frames and another run may follow. Collective.
+  void finish();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace twogrid
