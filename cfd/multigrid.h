@@ -32,7 +32,7 @@ class Multigrid {
   /// Cells are merged up to this multiple of the smallest distance between centres.
   static constexpr double kStretch = 1.7;
   /// A level has at most about this share of the cells of the finer one.
-  static constexpr double kShrink = 0.6;
+  static constexpr double kShrink = 0.8;
   /// Inside a pair, a conductance counts as at least this share of the outer face's: where the pair is cut in two
   /// (contrast, an obstacle) the coarse grid stays connected.
   static constexpr double kLeastInner = 0.25;
