@@ -1,0 +1,20 @@
+// The words after `twogrid`, shared out between LIGGGHTS and PETSc.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace twogrid {
+
+struct CommandLine {
+  std::vector<std::string> liggghts;  ///< begins with the program's name
+  std::vector<std::string> petsc;     ///< likewise
+  bool version = false;               ///< -version was asked for
+};
+
+/// LIGGGHTS' switches go to LIGGGHTS, which ends on one it doesn't know; PETSc's options, known by their beginnings
+/// (-fluid_, -ksp_, -log_view, -options_, ...), go to PETSc. `-screen none` becomes `-screen /dev/null`, as LIGGGHTS'
+/// fix insert/pack doesn't survive the former. Throws std::invalid_argument with a sentence for anything else.
+CommandLine split_command_line(const std::vector<std::string>& words);
+
+}  // namespace twogrid

@@ -1,0 +1,429 @@
+#include "fix_twogrid.h"
+
+#include <atom.h>
+#include <comm.h>
+#include <domain.h>
+#include <error.h>
+#include <fix_property_atom.h>
+#include <group.h>
+#include <input.h>
+#include <lammps.h>
+#include <memory.h>
+#include <modify.h>
+#include <neighbor.h>
+#include <region.h>
+#include <signal_handling.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <universe.h>
+#include <update.h>
+#include <variable.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "petsc_session.h"
+#include "scene_facts.h"
+#include "scene_report.h"
+#include "signals.h"
+#include "words.h"
+
+namespace twogrid {
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+constexpr int kVectorSize = 10;
+constexpr int kUserColumns = 10;
+static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
+              "the state's first ten columns are the user's per-atom array");
+
+double cpu_seconds() {
+  return double(std::clock()) / CLOCKS_PER_SEC;
+}
+
+Shares operator-(const Shares& a, const Shares& b) {
+  return {a.deposit - b.deposit, a.map - b.map, a.fluid - b.fluid, a.output - b.output, a.force - b.force};
+}
+
+std::string command_line_text() {
+  std::ifstream in("/proc/self/cmdline");
+  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  std::replace(text.begin(), text.end(), '\0', ' ');
+  return text;
+}
+
+}  // namespace
+
+template <class F>
+auto FixTwogrid::guarded(F&& f) -> decltype(f()) {
+  try {
+    return f();
+  } catch (const std::exception& e) {
+    const std::string when = started_ ? " (step " + std::to_string(update->ntimestep) + ")" : "";
+    throw std::runtime_error("fix " + std::string(id) + " twogrid: " + e.what() + when);
+  }
+}
+
+FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg, arg) {
+  guarded([&] {
+    script_ = parse_fix(id, std::vector<std::string>(arg + 3, arg + narg));
+    refuse_what_cannot_be_served();
+    Script early = script_;  // what the box alone already rules out
+    complete(early, box_facts());
+  });
+  vector_flag = 1;
+  size_vector = kVectorSize;
+  global_freq = 1;
+  extvector = 0;
+  peratom_flag = 1;
+  size_peratom_cols = kUserColumns;
+  peratom_freq = 1;
+  time_depend = 1;
+  nevery = 1;
+  add_signal_listener(+1);
+}
+
+FixTwogrid::~FixTwogrid() {
+  add_signal_listener(-1);
+  if (state_) atom->delete_callback(id, 0);
+}
+
+int FixTwogrid::setmask() {
+  return FixConst::PRE_FORCE | FixConst::POST_FORCE | FixConst::END_OF_STEP;
+}
+
+void FixTwogrid::refuse_what_cannot_be_served() const {
+  if (std::string(update->unit_style) != "si") refuse("units", update->unit_style, "units si");
+  if (domain->dimension != 3)
+    refuse("dimension", std::to_string(domain->dimension), "dimension 3 (one fine cell in the thin direction)");
+  if (domain->triclinic) refuse("box", "a tilted one", "an orthogonal box");
+  check_box_boundary(domain->boundary);
+  if (!atom->radius_flag || !atom->rmass_flag)
+    refuse("atom_style", "one without radius and mass", "atom_style granular (or sphere)");
+  for (const char* style : {"multisphere", "rigid"})
+    if (modify->n_fixes_style(style) > 0)
+      refuse("group", std::string("bodies of several spheres (fix ") + style + ")",
+             "single spheres: drag on bodies is not modelled");
+  for (int f = 0; f < modify->nfix; ++f)
+    if (std::string(modify->fix[f]->style) == kStyle && std::string(modify->fix[f]->id) != id)
+      refuse("fix", "a second fix twogrid beside " + std::string(modify->fix[f]->id), "one");
+}
+
+BoxFacts FixTwogrid::box_facts() const {
+  BoxFacts box;
+  for (int d = 0; d < 3; ++d) {
+    box.bounds[2 * d] = domain->boxlo[d];
+    box.bounds[2 * d + 1] = domain->boxhi[d];
+    box.periodic[d] = domain->periodicity[d] != 0;
+  }
+  return box;
+}
+
+void FixTwogrid::post_create() {
+  if (state_) return;
+  const std::string name = std::string(id) + "_state";
+  std::vector<std::string> words{name, "all", "property/atom", name, "vector", "yes", "no", "no"};
+  words.insert(words.end(), kParticleColumns, "0.");
+  std::vector<char*> pointers;
+  for (std::string& w : words) pointers.push_back(w.data());
+  state_ = modify->add_fix_property_atom(int(pointers.size()), pointers.data(), style);
+  atom->add_callback(0);  // after the state's, so that grow_arrays finds its new array
+  array_atom = state_->array_atom;
+}
+
+void FixTwogrid::pre_delete(bool unfix) {
+  if (unfix && state_) {
+    atom->delete_callback(id, 0);
+    modify->delete_fix((std::string(id) + "_state").c_str(), true);
+    state_ = nullptr;
+  }
+}
+
+void FixTwogrid::grow_arrays(int) {
+  array_atom = state_ ? state_->array_atom : nullptr;
+}
+
+int FixTwogrid::modify_param(int narg, char** arg) {
+  guarded([&] {
+    parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ != nullptr);
+    if (!script_.settings.output.file.empty()) check(script_.settings.output);
+  });
+  return narg;
+}
+
+double FixTwogrid::equal_style(const std::string& variable, const std::string& keyword) const {
+  std::string name = variable;
+  const int v = input->variable->find(name.data());
+  if (v < 0) refuse(keyword, "v_" + variable + ", and no variable of that name", "an equal-style variable");
+  if (!input->variable->equalstyle(v))
+    refuse(keyword, "v_" + variable + ", which is not equal-style", "an equal-style variable");
+  modify->clearstep_compute();
+  const double value = input->variable->compute_equal(v);
+  modify->addstep_compute(update->ntimestep + script_.settings.every);
+  return value;
+}
+
+Vec3 FixTwogrid::velocity_now(int side, std::size_t condition) const {
+  const ScriptedVelocity& v = script_.names[side][condition].velocity;
+  Vec3 u = v.number;
+  for (int d = 0; d < 3; ++d)
+    if (!v.variable[d].empty()) u[d] = equal_style(v.variable[d], "boundary " + std::string(kSideNames[side]));
+  return u;
+}
+
+/// Variables and regions, by name in the script, become functions in the settings.
+void FixTwogrid::resolve_names() {
+  for (int side = 0; side < 6; ++side)
+    for (std::size_t c = 0; c < script_.names[side].size(); ++c) {
+      BoundaryCondition& condition = script_.settings.fluid.side[side][c];
+      const ConditionNames& names = script_.names[side][c];
+      condition.velocity = velocity_now(side, c);
+      if (!names.velocity.is_constant()) condition.velocity_now = [this, side, c] { return velocity_now(side, c); };
+      if (names.region.empty()) continue;
+      std::string region = names.region;
+      const int r = domain->find_region(region.data());
+      if (r < 0)
+        refuse("boundary " + std::string(kSideNames[side]) + " patch " + condition.name + " region",
+               names.region + ", and no region of that id", "the id of a region");
+      Region* shape = domain->regions[r];
+      condition.shape.inside = [shape](const Vec3& x) { return shape->match(x[0], x[1], x[2]) != 0; };
+    }
+}
+
+void FixTwogrid::init() {
+  guarded([&] {
+    refuse_what_cannot_be_served();
+    if (!(update->dt > 0)) refuse("timestep", text(update->dt), "a DEM step above 0 (s)");
+    if (!fluid_) return build();
+    resolve_names();
+    for (int side = 0; side < 6; ++side)
+      for (std::size_t c = 0; c < script_.settings.fluid.side[side].size(); ++c) {
+        BoundaryCondition& now = fluid_->settings().side[side][c];
+        now.velocity = script_.settings.fluid.side[side][c].velocity;
+        now.velocity_now = script_.settings.fluid.side[side][c].velocity_now;
+      }
+  });
+}
+
+void FixTwogrid::build() {
+  Settings& s = script_.settings;
+  complete(script_, box_facts());
+  resolve_names();
+  const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));
+  check_patches_and_outlet(s.fluid, grid);
+  const SceneFacts facts = scene_facts(*lmp, groupbit);
+  if (script_.every_auto) s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
+
+  fluid_ = std::make_unique<FluidSolver>(world, grid, fluid_layout(grid), s.fluid);
+  Vec3 lo, hi;
+  for (int d = 0; d < 3; ++d) lo[d] = domain->sublo[d], hi[d] = domain->subhi[d];
+  coupling_ = std::make_unique<Coupling>(world, s, *fluid_, lo, hi, reach());
+  open_output();
+  say(scene_report(s, script_.side_given, grid, facts));
+}
+
+/// The fluid's bricks lie where LIGGGHTS' are, to the particle cell.
+Layout FixTwogrid::fluid_layout(const FineGrid& grid) const {
+  const double* split[3] = {comm->xsplit, comm->ysplit, comm->zsplit};
+  std::array<std::vector<int>, 3> cuts;
+  for (int d = 0; d < 3; ++d) {
+    std::vector<double> borders;
+    for (int i = 1; i < comm->procgrid[d]; ++i) borders.push_back(domain->boxlo[d] + split[d][i] * domain->prd[d]);
+    cuts[d] = cuts_near(grid.axis[d], comm->procgrid[d], script_.settings.ratio[d], borders);
+  }
+  std::vector<Int3> brick_of_rank(comm->nprocs);
+  for (int i = 0; i < comm->procgrid[0]; ++i)
+    for (int j = 0; j < comm->procgrid[1]; ++j)
+      for (int k = 0; k < comm->procgrid[2]; ++k) brick_of_rank[comm->grid2proc[i][j][k]] = {i, j, k};
+  return Layout(grid, cuts, brick_of_rank);
+}
+
+/// How far outside its rank's box a particle may lie (m): LIGGGHTS exchanges particles when one has moved half a skin.
+/// Where it may look late (neigh_modify delay or every), a whole skin.
+double FixTwogrid::reach() const {
+  const bool prompt = neighbor->every == 1 && neighbor->delay == 0 && neighbor->dist_check;
+  return (prompt ? 0.5 : 1.0) * neighbor->skin;
+}
+
+void FixTwogrid::open_output() {
+  const OutputSettings& out = script_.settings.output;
+  if (out.file.empty()) return;
+  Record record;
+  record.input_text = script_text();
+  record.command_line = command_line_text();
+  record.versions = {{"LIGGGHTS", universe->version}, {"PETSc", petsc_version()}};
+  output_ = std::make_unique<Output>(world, script_.settings, *fluid_, record);
+}
+
+/// The text of the script LIGGGHTS is reading now, without moving its place in it. Rank 0.
+std::string FixTwogrid::script_text() const {
+  struct stat status = {};
+  if (!infile || fstat(fileno(infile), &status) != 0 || !S_ISREG(status.st_mode)) return "(not read from a file)";
+  std::string script(std::size_t(status.st_size), '\0');
+  const ssize_t n = pread(fileno(infile), script.data(), script.size(), 0);
+  script.resize(n > 0 ? std::size_t(n) : 0);
+  return script;
+}
+
+Particles FixTwogrid::particles() {
+  // Fetched at every call: LIGGGHTS reallocates these arrays at any exchange.
+  using Three = double(*)[3];
+  array_atom = state_->array_atom;
+  Particles p;
+  p.n = atom->nlocal;
+  p.x = reinterpret_cast<Three>(atom->x ? atom->x[0] : nullptr);
+  p.v = reinterpret_cast<Three>(atom->v ? atom->v[0] : nullptr);
+  p.f = reinterpret_cast<Three>(atom->f ? atom->f[0] : nullptr);
+  p.radius = atom->radius;
+  p.mass = atom->rmass;
+  p.tag = atom->tag;
+  p.mask = atom->mask;
+  p.group = groupbit;
+  p.state = state_->array_atom;
+  return p;
+}
+
+/// Takes half of the present fluid force's impulse out of the sum. Velocity Verlet gives half a kick with the forces of
+/// set-up and half a kick with those of a run's last step, where the coupling counts whole ones.
+void FixTwogrid::halve_impulse(const Particles& p, double dt) const {
+  for (int i = 0; i < p.n; ++i)
+    if (p.takes_part(i))
+      for (int d = 0; d < 3; ++d)
+        p.state[i][kImpulse + d] -= 0.5 * dt * (p.state[i][kDragForce + d] + p.state[i][kPressureForce + d]);
+}
+
+void FixTwogrid::setup(int) {
+  guarded([&] {
+    Particles p = particles();
+    const double dt = update->dt;
+    if (started_) {
+      halve_impulse(p, dt);
+    } else {
+      coupling_->start(p, dt);
+      started_ = true;
+    }
+    coupling_->force(p, dt, true);
+    halve_impulse(p, dt);
+
+    if (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_) write_frame(p);
+    progress_.begin(MPI_Wtime(), update->laststep - update->firststep);
+    wall_begin_ = MPI_Wtime();
+    cpu_begin_ = cpu_seconds();
+    step_begin_ = update->ntimestep;
+    shares_begin_ = coupling_->shares();
+    output_begin_ = output_seconds_;
+  });
+}
+
+void FixTwogrid::pre_force(int) {
+  guarded([&] {
+    ++steps_since_coupling_;
+    time_since_coupling_ += update->dt;
+    coupled_now_ = update->ntimestep % script_.settings.every == 0;
+    if (coupled_now_) couple();
+  });
+}
+
+void FixTwogrid::couple() {
+  watch_particles(signal_seen());
+  Particles p = particles();
+  coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_);
+  last_interval_ = time_since_coupling_;
+  steps_since_coupling_ = 0;
+  time_since_coupling_ = 0;
+}
+
+/// One small message a coupling: has a signal come to any rank, and have particles vanished?
+void FixTwogrid::watch_particles(long long own_signal) {
+  long long sum[2] = {atom->nlocal, own_signal};
+  MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_LONG_LONG, MPI_SUM, world);
+  if (sum[1] > 0) SignalHandler::request_quit = true;  // ends the run on all ranks after this step
+
+  // LIGGGHTS knows of insertions and deletions (natoms) but not of particles that left by a side: it forgets those in
+  // silence, until thermo output sets natoms to what is left.
+  const long long missing = (long long)atom->natoms - sum[0];
+  const long long lost = std::max(missing - missing_before_, particles_before_ - sum[0]);
+  if (particles_before_ >= 0 && lost > 0 && missing > 0) lost_ += lost;
+  missing_before_ = std::max(0LL, missing);
+  particles_before_ = sum[0];
+  if (lost_ > 2 * lost_said_) {
+    warn(std::to_string(lost_) + " particle(s) have left the box by a side that is not periodic, up to step " +
+         std::to_string(update->ntimestep) +
+         "; LIGGGHTS deletes them in silence: put a wall on that side, or lower timestep if they broke through one");
+    lost_said_ = lost_;
+  }
+}
+
+void FixTwogrid::post_force(int) {
+  guarded([&] {
+    Particles p = particles();
+    coupling_->force(p, update->dt, true);
+  });
+}
+
+void FixTwogrid::end_of_step() {
+  if (!coupled_now_) return;
+  coupled_now_ = false;
+  guarded([&] {
+    if (output_) {
+      const double begin = cpu_seconds();
+      Particles p = particles();
+      output_->average(last_interval_, p);
+      output_seconds_ += cpu_seconds() - begin;
+      if (script_.settings.output.every > 0 && update->ntimestep >= next_frame_) write_frame(p);
+    }
+    const std::string line =
+        progress_.line(MPI_Wtime(), update->ntimestep - step_begin_, coupling_->report().fluid_time);
+    if (!line.empty()) say(line + "\n");
+  });
+}
+
+void FixTwogrid::write_frame(const Particles& p) {
+  const double begin = cpu_seconds();
+  output_->frame(coupling_->report().fluid_time, long(update->ntimestep), p);
+  const long long every = script_.settings.output.every;
+  next_frame_ = (update->ntimestep / every + 1) * every;
+  output_seconds_ += cpu_seconds() - begin;
+}
+
+void FixTwogrid::post_run() {
+  guarded([&] {
+    if (output_) output_->finish();
+    const Shares s = coupling_->shares() - shares_begin_;
+    double sum[6] = {s.deposit, s.map, s.fluid, output_seconds_ - output_begin_, s.force, cpu_seconds() - cpu_begin_};
+    MPI_Allreduce(MPI_IN_PLACE, sum, 6, MPI_DOUBLE, MPI_SUM, world);
+    if (update->ntimestep > step_begin_)
+      say(shares_text(MPI_Wtime() - wall_begin_, sum[5], Shares{sum[0], sum[1], sum[2], sum[3], sum[4]}) + "\n");
+  });
+}
+
+double FixTwogrid::compute_vector(int i) {
+  if (!coupling_) return 0;
+  const Report& r = coupling_->report();
+  const double value[kVectorSize] = {
+      r.fluid_time,         r.fluid_dt,       r.cfl,          r.pressure_drop, r.divergence_error,
+      r.solid_volume_error, r.momentum_error, r.volume_moved, r.eps_min,       double(r.pressure_iterations)};
+  return value[i];
+}
+
+double FixTwogrid::memory_usage() {
+  return fluid_ ? 100.0 * sizeof(double) * double(fluid_->layout().cells(comm->me).count()) : 0;
+}
+
+void FixTwogrid::say(const std::string& text) const {
+  if (comm->me != 0) return;
+  if (screen) std::fputs(text.c_str(), screen), std::fflush(screen);
+  if (logfile) std::fputs(text.c_str(), logfile), std::fflush(logfile);
+}
+
+void FixTwogrid::warn(const std::string& text) const {
+  say("WARNING: fix " + std::string(id) + " twogrid: " + text + "\n");
+}
+
+}  // namespace twogrid

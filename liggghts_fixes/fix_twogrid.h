@@ -1,0 +1,102 @@
+// fix ID group twogrid: hands LIGGGHTS' particles to the coupling and tells it when to act. No physics here.
+//
+//   run begins   setup          first time: deposit and read; every time: forces of the fluid on the particles
+//   each step    pre_force      at steps that are multiples of `every` (of the absolute step number, so that run
+//                               boundaries don't shift the phase): the fluid advances over the steps done since the
+//                               last coupling
+//                post_force     drag and pressure gradient force; this fix comes after all fixes that add forces
+//                               (fix_order.h)
+//                end_of_step    frames, means and the progress line, at couplings
+//   run ends     post_run       means written, shares of time
+//
+// f_ID is a per-atom array: drag 1-3 (N), pressure gradient force 4-6 (N), eps 7, fluid velocity 8-10 (m/s); it is the
+// first ten columns of the particles' state, which fix property/atom "ID_state" holds. f_ID[1..10] as a vector: see
+// coupling.h, Report.
+#pragma once
+
+#include <fix.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cfd/fluid_solver.h"
+#include "coupling/coupling.h"
+#include "coupling/output/output.h"
+#include "progress.h"
+#include "script_parser.h"
+
+namespace LAMMPS_NS {
+class FixPropertyAtom;
+}
+
+namespace twogrid {
+
+class FixTwogrid : public LAMMPS_NS::Fix {
+ public:
+  static constexpr const char* kStyle = "twogrid";
+
+  // LIGGGHTS calls all of these on all ranks. Errors are thrown as exceptions with one sentence; main() ends the run.
+  FixTwogrid(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg);
+  ~FixTwogrid() override;
+  int setmask() override;
+  void post_create() override;
+  void pre_delete(bool unfix) override;
+  int modify_param(int narg, char** arg) override;
+  void init() override;
+  void setup(int) override;
+  void pre_force(int) override;
+  void post_force(int) override;
+  void end_of_step() override;
+  void post_run() override;
+  double compute_vector(int i) override;
+  double memory_usage() override;
+  void grow_arrays(int) override;
+  void copy_arrays(int, int, int) override {}
+
+ private:
+  /// f(), with the fix's name and the step in front of the sentence of any exception.
+  template <class F>
+  auto guarded(F&& f) -> decltype(f());
+  void refuse_what_cannot_be_served() const;
+  BoxFacts box_facts() const;
+  Vec3 velocity_now(int side, std::size_t condition) const;
+  double equal_style(const std::string& variable, const std::string& keyword) const;
+  void resolve_names();
+  void build();
+  Layout fluid_layout(const FineGrid& grid) const;
+  double reach() const;
+  void open_output();
+  Particles particles();
+  void halve_impulse(const Particles& p, double dt) const;
+  void couple();
+  void watch_particles(long long own_signal);
+  void write_frame(const Particles& p);
+  void say(const std::string& text) const;
+  void warn(const std::string& text) const;
+  std::string script_text() const;
+
+  Script script_;
+  LAMMPS_NS::FixPropertyAtom* state_ = nullptr;  // owned by LIGGGHTS; kParticleColumns a particle
+  std::unique_ptr<FluidSolver> fluid_;
+  std::unique_ptr<Coupling> coupling_;
+  std::unique_ptr<Output> output_;  // null: none wanted
+
+  bool started_ = false;          // the coupling has deposited once
+  int steps_since_coupling_ = 0;  // DEM steps that the particles have run since the last coupling
+  double time_since_coupling_ = 0;
+  bool coupled_now_ = false;  // this step is a coupling
+  double last_interval_ = 0;  // s, of the last coupling
+  long long next_frame_ = 0;  // step from which on a frame is due
+
+  long long particles_before_ = -1, missing_before_ = 0, lost_ = 0, lost_said_ = 0;
+
+  Progress progress_;
+  double wall_begin_ = 0, cpu_begin_ = 0;
+  long long step_begin_ = 0;
+  Shares shares_begin_;
+  double output_seconds_ = 0, output_begin_ = 0;  // CPU seconds of this rank
+};
+
+}  // namespace twogrid

@@ -1,0 +1,52 @@
+#include "petsc_session.h"
+
+#include <petscsys.h>
+
+#include <cstdio>
+#include <stdexcept>
+
+namespace twogrid {
+namespace {
+
+extern "C" int finalize_petsc(MPI_Comm, int, void*, void*) {
+  PetscBool initialized = PETSC_FALSE, finalized = PETSC_FALSE;
+  PetscInitialized(&initialized);
+  PetscFinalized(&finalized);
+  if (initialized && !finalized) PetscFinalize();
+  return MPI_SUCCESS;
+}
+
+PetscErrorCode one_line(MPI_Comm, int line, const char* function, const char* file, PetscErrorCode code,
+                        PetscErrorType type, const char* message, void*) {
+  if (type == PETSC_ERROR_INITIAL)
+    std::fprintf(stderr, "PETSc: %s (%s, %s:%d)\n", message ? message : "error", function ? function : "",
+                 file ? file : "", line);
+  return code;
+}
+
+}  // namespace
+
+void start_petsc(const std::vector<std::string>& words) {
+  // PETSc keeps pointers to the words until its end.
+  static std::vector<std::string> copy;
+  static std::vector<char*> pointers;
+  copy = words;
+  for (std::string& w : copy) pointers.push_back(w.data());
+  pointers.push_back(nullptr);
+  int argc = int(copy.size());
+  char** argv = pointers.data();
+  if (PetscInitialize(&argc, &argv, nullptr, nullptr)) throw std::runtime_error("PETSc could not be initialised");
+  PetscPopSignalHandler();
+  PetscPushErrorHandler(one_line, nullptr);
+
+  int key = MPI_KEYVAL_INVALID;
+  MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, finalize_petsc, &key, nullptr);
+  MPI_Comm_set_attr(MPI_COMM_SELF, key, nullptr);
+}
+
+std::string petsc_version() {
+  return std::to_string(PETSC_VERSION_MAJOR) + "." + std::to_string(PETSC_VERSION_MINOR) + "." +
+         std::to_string(PETSC_VERSION_SUBMINOR);
+}
+
+}  // namespace twogrid

@@ -1,0 +1,17 @@
+// PETSc inside a program that LIGGGHTS may end at any moment by MPI_Finalize and exit.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace twogrid {
+
+/// Initialises PETSc, after MPI_Init, with its own words of the command line (the first is the program's name). PETSc
+/// is finalised by a callback that MPI_Finalize runs first, whoever calls it. PETSc's errors become one line on
+/// standard error at their origin and a return code; its signal handler is taken out. Collective. Throws
+/// std::runtime_error.
+void start_petsc(const std::vector<std::string>& words);
+/// "3.18.1"
+std::string petsc_version();
+
+}  // namespace twogrid

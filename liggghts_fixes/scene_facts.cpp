@@ -1,0 +1,159 @@
+#include "scene_facts.h"
+
+#include <atom.h>
+#include <comm.h>
+#include <domain.h>
+#include <fix_gravity.h>
+#include <fix_mesh_surface.h>
+#include <fix_property_global.h>
+#include <fix_wall_gran.h>
+#include <force.h>
+#include <lammps.h>
+#include <modify.h>
+#include <mpi.h>
+#include <primitive_wall.h>
+#include <update.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace twogrid {
+namespace {
+
+using namespace LAMMPS_NS;
+
+void read_particles(LAMMPS& lammps, int groupbit, SceneFacts& facts) {
+  const Atom& atom = *lammps.atom;
+  double sum[4] = {0, 0, 0, 0};          // number, diameters, mass, volume
+  double extreme[2] = {-1e300, -1e300};  // -smallest, largest diameter
+  for (int i = 0; i < atom.nlocal; ++i) {
+    if (!(atom.mask[i] & groupbit)) continue;
+    const double d = 2 * atom.radius[i];
+    sum[0] += 1, sum[1] += d, sum[2] += atom.rmass[i], sum[3] += M_PI / 6 * d * d * d;
+    extreme[0] = std::max(extreme[0], -d), extreme[1] = std::max(extreme[1], d);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPI_DOUBLE, MPI_SUM, lammps.world);
+  MPI_Allreduce(MPI_IN_PLACE, extreme, 2, MPI_DOUBLE, MPI_MAX, lammps.world);
+  facts.particles = std::llround(sum[0]);
+  if (facts.particles > 0) {
+    facts.d_mean = sum[1] / sum[0];
+    facts.d_min = -extreme[0];
+    facts.d_max = extreme[1];
+    facts.density = sum[2] / sum[3];
+    return;
+  }
+  // None yet: the sizes of insertion templates are known through the fixes.
+  double lo = 1e300, hi = 0;
+  for (int f = 0; f < lammps.modify->nfix; ++f)
+    for (int type = 1; type <= atom.ntypes; ++type) {
+      const double a = lammps.modify->fix[f]->min_rad(type), b = lammps.modify->fix[f]->max_rad(type);
+      if (a > 0) lo = std::min(lo, a);
+      if (b > 0) hi = std::max(hi, b);
+    }
+  if (hi > 0) {
+    facts.d_min = 2 * std::min(lo, hi);
+    facts.d_max = 2 * hi;
+    facts.d_mean = 0.5 * (facts.d_min + facts.d_max);
+  }
+}
+
+void read_walls(LAMMPS& lammps, SceneFacts& facts) {
+  const Domain& domain = *lammps.domain;
+  for (int f = 0; f < lammps.modify->nfix; ++f) {
+    auto* wall = dynamic_cast<FixWallGran*>(lammps.modify->fix[f]);
+    if (!wall) continue;
+    if (wall->is_mesh_wall()) {
+      for (int m = 0; m < wall->n_meshes(); ++m) {
+        WallFacts mesh;
+        mesh.id = wall->mesh_list()[m]->id;
+        BoundingBox box = wall->mesh_list()[m]->triMesh()->getGlobalBoundingBox();
+        double lo[3], hi[3];
+        box.getBoxBounds(lo, hi);
+        for (int d = 0; d < 3; ++d) mesh.bounds[2 * d] = lo[d], mesh.bounds[2 * d + 1] = hi[d];
+        facts.walls.push_back(mesh);
+      }
+      continue;
+    }
+    PrimitiveWall* primitive = wall->primitiveWall();
+    if (!primitive) continue;
+    // The vector from a point to a plane wall tells where the wall stands; from two points it tells planes from
+    // cylinders.
+    WallFacts plane;
+    plane.id = wall->id;
+    double positions[2][3];
+    bool flat = true;
+    for (int k = 0; k < 2; ++k) {
+      double x[3], delta[3] = {0, 0, 0};
+      for (int d = 0; d < 3; ++d) x[d] = domain.boxlo[d] + (k == 0 ? 0.31 : 0.62) * domain.prd[d];
+      primitive->resolveContact(x, 0.0, delta);
+      int along = 0;
+      for (int d = 0; d < 3; ++d) along += delta[d] != 0;
+      flat = flat && along <= 1;
+      for (int d = 0; d < 3; ++d) {
+        positions[k][d] = x[d] + delta[d];
+        if (delta[d] != 0 && along == 1) plane.normal = d;
+      }
+    }
+    const int n = plane.normal;
+    if (flat && n >= 0 && std::abs(positions[0][n] - positions[1][n]) <= 1e-9 * domain.prd[n]) {
+      plane.position = positions[0][n];
+    } else {
+      plane.normal = -1;
+      for (int d = 0; d < 3; ++d) plane.bounds[2 * d] = domain.boxlo[d], plane.bounds[2 * d + 1] = domain.boxhi[d];
+    }
+    facts.walls.push_back(plane);
+  }
+}
+
+double property(LAMMPS& lammps, const char* name, const char* style, int types) {
+  Fix* fix = lammps.modify->find_fix_property(name, "property/global", style, types, 0, "twogrid", false);
+  auto* values = dynamic_cast<FixPropertyGlobal*>(fix);
+  if (!values) return 0;
+  return std::string(style) == "scalar"            ? values->compute_scalar()
+         : std::string(style) == "peratomtypepair" ? values->compute_array(0, 0)
+                                                   : values->compute_vector(0);
+}
+
+/// Duration of a head-on contact of two mean particles, first atom type: linear spring pi sqrt(m*/k_n); Hertz (1882)
+/// 2.87 (m*^2 / (R* E*^2 V))^(1/5).
+void read_contact_time(LAMMPS& lammps, SceneFacts& facts) {
+  if (facts.d_mean <= 0 || facts.density <= 0) return;
+  const int types = lammps.atom->ntypes;
+  const double R = 0.25 * facts.d_mean, m = 0.5 * facts.density * M_PI / 6 * std::pow(facts.d_mean, 3);
+  const double k = property(lammps, "kn", "peratomtypepair", types);
+  if (k > 0) {
+    facts.contact_time = M_PI * std::sqrt(m / k);
+    facts.contact_time_from = "kn of type 1";
+    return;
+  }
+  const double Y = property(lammps, "youngsModulus", "peratomtype", types);
+  const double nu = property(lammps, "poissonsRatio", "peratomtype", types);
+  if (Y <= 0) return;
+  const double E = Y / (2 * (1 - nu * nu));
+  double V = property(lammps, "characteristicVelocity", "scalar", 0);
+  const bool characteristic = V > 0;
+  if (!characteristic) V = 1;
+  facts.contact_time = 2.87 * std::pow(m * m / (R * E * E * V), 0.2);
+  facts.contact_time_from = characteristic ? "Hertz at the characteristic velocity" : "Hertz at 1 m/s";
+}
+
+}  // namespace
+
+SceneFacts scene_facts(LAMMPS& lammps, int groupbit) {
+  SceneFacts facts;
+  read_particles(lammps, groupbit, facts);
+  for (int f = 0; f < lammps.modify->nfix; ++f)
+    if (auto* gravity = dynamic_cast<FixGravity*>(lammps.modify->fix[f])) {
+      double g[3] = {0, 0, 0};
+      gravity->get_gravity(g);
+      for (int d = 0; d < 3; ++d) facts.gravity[d] += g[d];
+    }
+  read_walls(lammps, facts);
+  facts.dem_dt = lammps.update->dt;
+  read_contact_time(lammps, facts);
+  facts.ranks = lammps.comm->nprocs;
+  for (int d = 0; d < 3; ++d) facts.bricks[d] = lammps.comm->procgrid[d];
+  return facts;
+}
+
+}  // namespace twogrid

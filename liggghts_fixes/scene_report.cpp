@@ -1,0 +1,253 @@
+#include "scene_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "script_parser.h"
+#include "words.h"
+
+namespace twogrid {
+namespace {
+
+std::string three(const Int3& v, const char* between = " x ") {
+  return std::to_string(v[0]) + between + std::to_string(v[1]) + between + std::to_string(v[2]);
+}
+std::string three(const Vec3& v, const char* between = " ") {
+  return text(v[0]) + between + text(v[1]) + between + text(v[2]);
+}
+
+/// Four significant digits: for what a user reads, not for what a program reads.
+std::string brief(double v) {
+  std::ostringstream out;
+  out.precision(4);
+  out << v;
+  return out.str();
+}
+
+double smallest_width(const Axis& axis, int block) {
+  double w = 1e300;
+  for (int i = 0; i + block <= axis.n(); i += block) w = std::min(w, axis.node(i + block) - axis.node(i));
+  return w;
+}
+
+std::string condition_text(const BoundaryCondition& c) {
+  switch (c.kind) {
+    case BoundaryKind::kSlip:
+      return "slip";
+    case BoundaryKind::kNoSlip:
+      return "noslip" + (c.velocity == Vec3{0, 0, 0} ? "" : ", moving with " + three(c.velocity) + " m/s");
+    case BoundaryKind::kInlet:
+      return "inlet, superficial " +
+             (c.velocity_now ? three(c.velocity_now()) + " m/s now (variable)" : three(c.velocity) + " m/s");
+    case BoundaryKind::kPressure:
+      return "pressure " + text(c.pressure) + " Pa";
+    case BoundaryKind::kPeriodic:
+      return "periodic";
+  }
+  return "";
+}
+
+double largest_inlet(const FluidSettings& fluid) {
+  double U = 0;
+  for (int s = 0; s < 6; ++s)
+    for (const BoundaryCondition& c : fluid.side[s])
+      if (c.kind == BoundaryKind::kInlet) {
+        const Vec3 u = c.velocity_now ? c.velocity_now() : c.velocity;
+        U = std::max(U, std::abs(u[direction(s)]));
+      }
+  return U;
+}
+
+const char* deposit_name(Deposit d) {
+  static const char* const kNames[] = {"centroid", "trilinear", "exact sphere-cell volume", "cube"};
+  return kNames[int(d)];
+}
+const char* read_name(Read r) {
+  static const char* const kNames[] = {
+      "mean of the particle cell",  "trilinear between particle cells", "fine cell",
+      "trilinear on the fine grid", "kernel on the fine grid",          "mean over the cube"};
+  return kNames[int(r)];
+}
+
+}  // namespace
+
+double minimum_fluidisation(double d, double rho_p, double rho_f, double mu, double g, double eps) {
+  const double e3 = eps * eps * eps;
+  const double a = 1.75 * rho_f / (e3 * d), b = 150 * mu * (1 - eps) / (e3 * d * d), c = (rho_p - rho_f) * g;
+  if (c <= 0 || d <= 0) return 0;
+  return 2 * c / (b + std::sqrt(b * b + 4 * a * c));
+}
+
+SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneFacts& facts) {
+  SceneNumbers n;
+  n.h_min = n.h_coarse = 1e300;
+  for (int d = 0; d < 3; ++d) {
+    if (s.fine[d] == 1) continue;
+    n.h_min = std::min(n.h_min, smallest_width(grid.axis[d], 1));
+    n.h_coarse = std::min(n.h_coarse, smallest_width(grid.axis[d], s.ratio[d]));
+  }
+  if (n.h_min == 1e300) n.h_min = n.h_coarse = smallest_width(grid.axis[0], 1);
+
+  const double rho = s.fluid.density, mu = s.fluid.viscosity, d = facts.d_mean;
+  const double g = std::sqrt(facts.gravity[0] * facts.gravity[0] + facts.gravity[1] * facts.gravity[1] +
+                             facts.gravity[2] * facts.gravity[2]);
+  constexpr double kEps = 0.4;
+  if (d > 0 && facts.density > 0) n.Umf = minimum_fluidisation(d, facts.density, rho, mu, g, kEps);
+  n.U = largest_inlet(s.fluid);
+  for (int i = 0; i < 3; ++i) {
+    n.U = std::max(n.U, std::abs(s.fluid.initial_velocity[i]));
+    if (s.fluid.flow_rate_set[i]) n.U = std::max(n.U, std::abs(s.fluid.flow_rate[i]));
+  }
+  if (n.U == 0) n.U = n.Umf;
+  if (d > 0) {
+    n.Re = rho * n.U * d / mu;
+    if (facts.density > 0) {
+      n.Stokes = facts.density * n.U * d / (9 * mu);
+      const double bed_U = n.Umf > 0 ? n.Umf : n.U;
+      const double beta =
+          150 * (1 - kEps) * (1 - kEps) * mu / (kEps * d * d) + 1.75 * (1 - kEps) * rho * (bed_U / kEps) / d;
+      n.tau = facts.density * (1 - kEps) / beta;
+    }
+  }
+  n.cfl = std::max(n.U, n.Umf / kEps) * s.every * facts.dem_dt / n.h_min;
+  return n;
+}
+
+int automatic_every(const SceneNumbers& n, const Settings& s, double dem_dt) {
+  double interval = 100 * dem_dt;
+  const double u = std::max(n.U, n.Umf / 0.4);
+  if (u > 0) interval = std::min(interval, s.fluid.cfl * n.h_min / u);
+  if (n.tau > 0) interval = std::min(interval, 0.5 * n.tau);
+  return std::clamp(int(interval / dem_dt), 1, 100);
+}
+
+std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid, const SceneFacts& facts,
+                                        const SceneNumbers& n) {
+  std::vector<std::string> w;
+  const double d = facts.d_max;
+  if (d > 0 && n.h_coarse < 2 * d && (s.deposit == Deposit::kCentroid || s.deposit == Deposit::kTrilinear))
+    w.push_back("the smallest particle cell is " + brief(n.h_coarse / d) +
+                " particle diameters, below 2, so that the void fraction is rough: raise ratio, or 'deposit exact'");
+  for (int i = 0; i < 3; ++i)
+    if (d > 0 && s.fine[i] == 1 && grid.axis[i].length() < 2 * d && s.deposit == Deposit::kCentroid)
+      w.push_back(std::string("the domain is ") + brief(grid.axis[i].length() / d) + " particle diameters deep in " +
+                  "xyz"[i] + ": a void fraction over so thin a cell is an assumption");
+  if (facts.contact_time > 0 && facts.contact_time < 10 * facts.dem_dt)
+    w.push_back("a contact lasts " + brief(facts.contact_time / facts.dem_dt) +
+                " DEM steps, fewer than 10: lower timestep below " + brief(facts.contact_time / 20) +
+                " s, or soften the contact");
+  const double interval = s.every * facts.dem_dt;
+  if (n.tau > 0 && interval > 0.5 * n.tau && s.hold_flux == Choice::kOff)
+    w.push_back("the coupling interval is " + brief(interval / n.tau) +
+                " response times of the bed with 'hold off': lower every below " +
+                std::to_string(std::max(1, int(0.5 * n.tau / facts.dem_dt))) + ", or 'hold auto'");
+  if (n.cfl > 5)
+    w.push_back("the fluid crosses " + brief(n.cfl) + " fine cells in one coupling interval: lower every towards " +
+                std::to_string(std::max(1, int(s.every / n.cfl))));
+  const auto& dom = s.domain;
+  for (const WallFacts& wall : facts.walls) {
+    if (wall.normal >= 0) {
+      const int i = wall.normal;
+      const double lo = dom[2 * i], hi = dom[2 * i + 1], slack = 0.01 * n.h_min;
+      if (wall.position <= lo + slack || wall.position >= hi - slack) continue;
+      const bool high = wall.position > 0.5 * (lo + hi);
+      w.push_back("the wall of fix " + wall.id + " at " + "xyz"[i] + " = " + text(wall.position) +
+                  " stands inside the fluid's domain, and the fluid blows through it: let the domain " +
+                  (high ? "end" : "begin") + " there (domain ... " + kSideNames[2 * i + high] + " " +
+                  text(wall.position) + " ...)");
+      continue;
+    }
+    bool inside = true;
+    for (int i = 0; i < 3; ++i) {
+      const double slack = 0.01 * n.h_min;
+      inside = inside && wall.bounds[2 * i] < dom[2 * i + 1] - slack && wall.bounds[2 * i + 1] > dom[2 * i] + slack;
+    }
+    if (inside)
+      w.push_back(
+          "the wall of fix " + wall.id +
+          " (mesh or cylinder) stands inside the fluid's domain, and the fluid blows through it: keep walls on the "
+          "domain's sides, or accept that the fluid doesn't see it");
+  }
+  if (s.one_way) w.push_back("one-way: the particles feel the fluid, the fluid does not feel them");
+  return w;
+}
+
+std::string scene_report(const Settings& s, const std::array<bool, 6>& side_given, const FineGrid& grid,
+                         const SceneFacts& facts) {
+  const SceneNumbers n = scene_numbers(s, grid, facts);
+  std::ostringstream out;
+  const auto line = [&](const std::string& name, const std::string& value) {
+    out << "  " << name << std::string(name.size() < 22 ? 22 - name.size() : 1, ' ') << value << "\n";
+  };
+  out << "twogrid: the scene of fix " << s.id << "\n";
+
+  int components = 3;
+  for (int f : s.fine) components -= f == 1;
+  line("modelled", "volume-averaged flow, " + std::to_string(components) + " velocity components, formulation " +
+                       (s.formulation == Formulation::kA ? "A" : "B") + ", drag " + s.drag +
+                       (s.formulation == Formulation::kA ? ", pressure gradient force" : "") +
+                       (s.fluid.gap_friction ? ", gap friction" : "") + (s.one_way ? ", one-way" : ""));
+  line("not modelled", "turbulence, heat, species, lift, virtual mass, Basset force, rotation by the fluid");
+  line("domain", "x " + text(s.domain[0]) + " to " + text(s.domain[1]) + ", y " + text(s.domain[2]) + " to " +
+                     text(s.domain[3]) + ", z " + text(s.domain[4]) + " to " + text(s.domain[5]) + " m");
+  Int3 coarse = s.fine;
+  for (int d = 0; d < 3; ++d) coarse[d] /= s.ratio[d];
+  line("fine grid", three(s.fine) + " cells, smallest " + brief(n.h_min) + " m" +
+                        (facts.d_mean > 0 ? " = " + brief(n.h_min / facts.d_mean) + " d" : ""));
+  line("particle grid", three(coarse) + " cells of " + three(s.ratio) + " fine ones, smallest " + brief(n.h_coarse) +
+                            " m" + (facts.d_mean > 0 ? " = " + brief(n.h_coarse / facts.d_mean) + " d" : ""));
+  line("method", std::string("deposit ") + deposit_name(s.deposit) + ", prolong " +
+                     (s.prolong == Prolong::kConstant ? "constant" : "linear") + ", read " + read_name(s.read) +
+                     ", eps bound " + (s.bound == EpsBound::kMove ? "move " : "clip ") + text(s.eps_min));
+  for (int side = 0; side < 6; ++side)
+    for (std::size_t i = 0; i < s.fluid.side[side].size(); ++i) {
+      const BoundaryCondition& c = s.fluid.side[side][i];
+      const bool silent = c.name.empty() && !side_given[side];
+      std::string what = condition_text(c);
+      if (silent) what += c.kind == BoundaryKind::kPeriodic ? " (as the box)" : " (not given in the script)";
+      if (!c.name.empty()) what += ", " + brief(covered_area(s.fluid, side, i, grid)) + " m2 of fine faces";
+      line(std::string(kSideNames[side]) + (c.name.empty() ? "" : " patch " + c.name), what);
+    }
+  line("fluid", "density " + text(s.fluid.density) + " kg/m3, viscosity " + text(s.fluid.viscosity) + " Pa s");
+  if (facts.particles > 0 || facts.d_mean > 0) {
+    std::string d = facts.d_min == facts.d_max
+                        ? brief(facts.d_mean)
+                        : brief(facts.d_min) + " to " + brief(facts.d_max) + ", mean " + brief(facts.d_mean);
+    line("particles", std::to_string(facts.particles) + " now, diameter " + d + " m" +
+                          (facts.density > 0 ? ", density " + brief(facts.density) + " kg/m3" : ""));
+  } else {
+    line("particles", "none yet");
+  }
+  line("gravity", three(facts.gravity) + " m/s2");
+  if (n.U > 0) line("velocity U", brief(n.U) + " m/s");
+  if (n.Umf > 0) line("U_mf", brief(n.Umf) + " m/s (Ergun, eps 0.4), U/U_mf " + brief(n.U / n.Umf));
+  if (n.Re > 0) line("Re = rho U d/mu", brief(n.Re));
+  if (n.Stokes > 0) line("St = rho_p U d/9mu", brief(n.Stokes));
+  line("DEM step", brief(facts.dem_dt) + " s" +
+                       (facts.contact_time > 0 ? ", a contact lasts " + brief(facts.contact_time / facts.dem_dt) +
+                                                     " steps (" + facts.contact_time_from + ")"
+                                               : ", contact time unknown"));
+  const double interval = s.every * facts.dem_dt;
+  line("coupling interval",
+       std::to_string(s.every) + " steps = " + brief(interval) + " s" +
+           (n.tau > 0 ? ", " + brief(interval / n.tau) + " response times of the bed (tau " + brief(n.tau) + " s)"
+                      : ""));
+  line("CFL over an interval", brief(n.cfl) + " (about " +
+                                   std::to_string(std::max(1, int(std::ceil(n.cfl / s.fluid.cfl)))) +
+                                   " fluid steps with cfl " + text(s.fluid.cfl) + ")");
+  const double cells = double(s.fine[0]) * s.fine[1] * s.fine[2];
+  if (facts.particles > 0) {
+    // 0.5 us a particle and DEM step, 5 us a cell and fluid step: one core, order of magnitude only
+    const double dem = 0.5e-6 * double(facts.particles) * s.every;
+    const double fluid = 5e-6 * cells * std::max(1.0, std::ceil(n.cfl / s.fluid.cfl));
+    line("expected cost", "DEM about " + std::to_string(int(100 * dem / (dem + fluid))) + " %, fluid about " +
+                              std::to_string(100 - int(100 * dem / (dem + fluid))) + " %");
+  }
+  line("ranks", std::to_string(facts.ranks) + " as " + three(facts.bricks));
+  if (s.output.every > 0) line("output", s.output.file + " every " + std::to_string(s.output.every) + " steps");
+  for (const std::string& w : scene_warnings(s, grid, facts, n)) out << "  WARNING: " << w << "\n";
+  return out.str();
+}
+
+}  // namespace twogrid

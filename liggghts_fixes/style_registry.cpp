@@ -1,0 +1,53 @@
+#include "style_registry.h"
+
+#include <input.h>
+#include <lammps.h>
+#include <modify.h>
+#include <run.h>
+
+#include "fix_order.h"
+#include "fix_twogrid.h"
+
+namespace {
+
+// LIGGGHTS keeps its maps from style name to creator private. An explicit instantiation may name private members
+// ([temp.spec.general]), so that a template which takes the member pointer as an argument, and whose friend returns it,
+// reaches them without a change to any header.
+template <class Tag, typename Tag::type Member>
+struct Reach {
+  friend typename Tag::type member(Tag) { return Member; }
+};
+
+using FixCreator = LAMMPS_NS::Fix* (*)(LAMMPS_NS::LAMMPS*, int, char**);
+using CommandCreator = void (*)(LAMMPS_NS::LAMMPS*, int, char**);
+
+struct FixMap {
+  using type = std::map<std::string, FixCreator>* LAMMPS_NS::Modify::*;
+  friend type member(FixMap);
+};
+struct CommandMap {
+  using type = std::map<std::string, CommandCreator>* LAMMPS_NS::Input::*;
+  friend type member(CommandMap);
+};
+template struct Reach<FixMap, &LAMMPS_NS::Modify::fix_map>;
+template struct Reach<CommandMap, &LAMMPS_NS::Input::command_map>;
+
+LAMMPS_NS::Fix* make_fix_twogrid(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  return new twogrid::FixTwogrid(lammps, narg, arg);
+}
+
+void run(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  twogrid::move_behind_forces(*lammps, twogrid::FixTwogrid::kStyle);
+  LAMMPS_NS::Run(lammps).command(narg, arg);
+}
+
+}  // namespace
+
+namespace twogrid {
+
+void register_styles(LAMMPS_NS::LAMMPS& lammps) {
+  (*(lammps.modify->*member(FixMap{})))[FixTwogrid::kStyle] = make_fix_twogrid;
+  (*(lammps.input->*member(CommandMap{})))["run"] = run;
+}
+
+}  // namespace twogrid

@@ -1,0 +1,45 @@
+// The words of one command, read from the left.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace twogrid {
+
+/// "KEYWORD: found FOUND, wanted WANTED". Throws std::invalid_argument.
+[[noreturn]] void refuse(const std::string& keyword, const std::string& found, const std::string& wanted);
+
+/// Shortest decimal text of a number that a user would recognise.
+std::string text(double value);
+
+class Words {
+ public:
+  explicit Words(const std::vector<std::string>& words) : words_(words) {}
+
+  bool end() const { return next_ == words_.size(); }
+  /// The next word, or "" at the end. Stays there.
+  const std::string& peek() const;
+  bool next_is(const std::string& word) const { return !end() && words_[next_] == word; }
+  bool take_if(const std::string& word);
+
+  /// Each takes the next word; keyword and wanted go into the sentence if it is missing or wrong.
+  std::string word(const std::string& keyword, const std::string& wanted);
+  double number(const std::string& keyword, const std::string& wanted);
+  double positive(const std::string& keyword, const std::string& wanted);
+  int whole(const std::string& keyword, const std::string& wanted, int smallest);
+  /// Index of the next word in the list of those allowed.
+  int one_of(const std::string& keyword, const std::vector<std::string>& allowed);
+  bool yes_or_no(const std::string& keyword) { return one_of(keyword, {"no", "yes"}) == 1; }
+
+ private:
+  const std::vector<std::string>& words_;
+  std::size_t next_ = 0;
+};
+
+/// The whole word as a finite number.
+bool is_number(const std::string& word, double* value);
+/// "a, b or c".
+std::string listed(const std::vector<std::string>& words);
+
+}  // namespace twogrid
