@@ -86,12 +86,13 @@ FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg,
   peratom_freq = 1;
   time_depend = 1;
   nevery = 1;
+  atom->add_callback(0);
   add_signal_listener(+1);
 }
 
 FixTwogrid::~FixTwogrid() {
   add_signal_listener(-1);
-  if (state_) atom->delete_callback(id, 0);
+  atom->delete_callback(id, 0);
 }
 
 int FixTwogrid::setmask() {
@@ -106,13 +107,15 @@ void FixTwogrid::refuse_what_cannot_be_served() const {
   check_box_boundary(domain->boundary);
   if (!atom->radius_flag || !atom->rmass_flag)
     refuse("atom_style", "one without radius and mass", "atom_style granular (or sphere)");
-  for (const char* style : {"multisphere", "rigid"})
-    if (modify->n_fixes_style(style) > 0)
-      refuse("group", std::string("bodies of several spheres (fix ") + style + ")",
+  for (int f = 0; f < modify->nfix; ++f) {
+    if (!modify->fix[f]) continue;  // the place of this very fix, when it replaces one of its id
+    const std::string other = modify->fix[f]->style;
+    if (other == "multisphere" || other == "rigid")
+      refuse("group", "bodies of several spheres (fix " + other + ")",
              "single spheres: drag on bodies is not modelled");
-  for (int f = 0; f < modify->nfix; ++f)
-    if (std::string(modify->fix[f]->style) == kStyle && std::string(modify->fix[f]->id) != id)
+    if (other == kStyle && std::string(modify->fix[f]->id) != id)
       refuse("fix", "a second fix twogrid beside " + std::string(modify->fix[f]->id), "one");
+  }
 }
 
 BoxFacts FixTwogrid::box_facts() const {
@@ -132,14 +135,20 @@ void FixTwogrid::post_create() {
   words.insert(words.end(), kParticleColumns, "0.");
   std::vector<char*> pointers;
   for (std::string& w : words) pointers.push_back(w.data());
+  // LIGGGHTS warns of vectors longer than 20 by a text that is of no use to anyone here.
+  FILE *const shown = screen, *const logged = logfile;
+  screen = logfile = nullptr;
   state_ = modify->add_fix_property_atom(int(pointers.size()), pointers.data(), style);
-  atom->add_callback(0);  // after the state's, so that grow_arrays finds its new array
+  screen = shown, logfile = logged;
+  // This fix's grow_arrays has to be called after the state's, so that it finds the new array.
+  int* const grow = atom->extra_grow;
+  int* const own = std::find(grow, grow + atom->nextra_grow, modify->find_fix(id));
+  std::rotate(own, own + 1, grow + atom->nextra_grow);
   array_atom = state_->array_atom;
 }
 
 void FixTwogrid::pre_delete(bool unfix) {
   if (unfix && state_) {
-    atom->delete_callback(id, 0);
     modify->delete_fix((std::string(id) + "_state").c_str(), true);
     state_ = nullptr;
   }
@@ -163,6 +172,8 @@ double FixTwogrid::equal_style(const std::string& variable, const std::string& k
   if (v < 0) refuse(keyword, "v_" + variable + ", and no variable of that name", "an equal-style variable");
   if (!input->variable->equalstyle(v))
     refuse(keyword, "v_" + variable + ", which is not equal-style", "an equal-style variable");
+  // LIGGGHTS' list of computes that a variable may ask for exists only once a run has been set up.
+  if (!started_) return input->variable->compute_equal(v);
   modify->clearstep_compute();
   const double value = input->variable->compute_equal(v);
   modify->addstep_compute(update->ntimestep + script_.settings.every);

@@ -38,7 +38,6 @@ int run_script(LAMMPS_NS::LAMMPS& lammps) {
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
-  twogrid::install_signal_handlers();
   MPI_Comm errors;
   MPI_Comm_dup(MPI_COMM_WORLD, &errors);
 
@@ -55,6 +54,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     twogrid::start_petsc(line.petsc);
+    twogrid::install_signal_handlers();  // PETSc has put the default ones back
     std::vector<char*> words;
     for (std::string& w : line.liggghts) words.push_back(w.data());
     lammps = new LAMMPS_NS::LAMMPS(int(words.size()), words.data(), MPI_COMM_WORLD);
