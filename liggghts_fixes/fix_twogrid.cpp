@@ -300,27 +300,13 @@ Particles FixTwogrid::particles() {
   return p;
 }
 
-/// Takes half of the present fluid force's impulse out of the sum. Velocity Verlet gives half a kick with the forces of
-/// set-up and half a kick with those of a run's last step, where the coupling counts whole ones.
-void FixTwogrid::halve_impulse(const Particles& p, double dt) const {
-  for (int i = 0; i < p.n; ++i)
-    if (p.takes_part(i))
-      for (int d = 0; d < 3; ++d)
-        p.state[i][kImpulse + d] -= 0.5 * dt * (p.state[i][kDragForce + d] + p.state[i][kPressureForce + d]);
-}
-
 void FixTwogrid::setup(int) {
   guarded([&] {
     Particles p = particles();
-    const double dt = update->dt;
-    if (started_) {
-      halve_impulse(p, dt);
-    } else {
-      coupling_->start(p, dt);
-      started_ = true;
-    }
-    coupling_->force(p, dt, true);
-    halve_impulse(p, dt);
+    // Not before: LIGGGHTS sets the state of a new fix to its defaults at the beginning of set-up.
+    if (!started_) coupling_->start(p, update->dt);
+    started_ = true;
+    coupling_->force(p, update->dt, false);
 
     if (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_) write_frame(p);
     progress_.begin(MPI_Wtime(), update->laststep - update->firststep);

@@ -69,7 +69,6 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   double reach() const;
   void open_output();
   Particles particles();
-  void halve_impulse(const Particles& p, double dt) const;
   void couple();
   void watch_particles(long long own_signal);
   void write_frame(const Particles& p);
