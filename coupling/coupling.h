@@ -9,6 +9,10 @@
 //               momenta of fluid and particles is kept to round-off
 //   5 read      u, grad p, eps at the particles; b_p by the drag law
 // Then, at every DEM step: force() adds drag (semi-implicit) and pressure gradient force.
+//
+// Order in a DEM step: half kick and drift, advance() if it is a coupling step, all other forces, force(), half kick.
+// So at advance() v is the velocity that carried the particles to x(t^n), and all earlier forces are in it in full. In
+// set-up: start(), then force() with accumulate = false.
 #pragma once
 
 #include <mpi.h>
@@ -27,17 +31,20 @@ class ParticleGrid;
 /// Figures of the last coupling and of the run so far; the same on all ranks. The order is that of f_ID[1..].
 struct Report {
   double fluid_time = 0, fluid_dt = 0, cfl = 0, pressure_drop = 0, divergence_error = 0;
-  double solid_volume_error = 0;     ///< relative: deposited against the particles' own
-  double momentum_error = 0;         ///< relative: action against reaction
-  double volume_moved = 0;           ///< by the eps bound, m3 (bound clip: thrown away)
+  double solid_volume_error = 0;  ///< relative: deposited against the particles' own
+  double momentum_error = 0;      ///< relative: action against reaction
+  double volume_moved = 0;        ///< by the eps bound, m3 (bound clip: thrown away)
   double eps_min = 1;
   int pressure_iterations = 0;
   // not in the vector
   long long fluid_steps = 0;
-  double max_drag_number = 0;        ///< largest beta Dt/(rho_p eps_s): interval over response time
+  double max_drag_number = 0;  ///< largest beta Dt/(rho_p eps_s): interval over response time
   bool holding_flux = false;
-  double solid_volume = 0;           ///< m3, of the particles that take part
+  double solid_volume = 0;  ///< m3, of the particles that take part
   long long particles = 0;
+  double volume_inserted = 0;  ///< of particles new since the last coupling (m3); they replace fluid
+  double volume_vanished = 0;  ///< of particles deleted, or gone out of the domain, since then (m3)
+  double volume_unplaced = 0;  ///< above the eps bound, with no room anywhere (m3)
 };
 
 /// CPU seconds of this rank by part.

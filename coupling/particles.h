@@ -6,31 +6,31 @@ namespace twogrid {
 /// Columns of the state that the coupling keeps with every particle. It migrates and restarts with the particle; a new
 /// particle's state is all zero. The first ten columns are, in this order, what a user sees as the per-atom array f_ID.
 enum ParticleColumn {
-  kDragForce = 0,      ///< 0-2 drag of the current step (N)
-  kPressureForce = 3,  ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B
-  kVoidFraction = 6,   ///< 6 eps at the particle
-  kFluidVelocity = 7,  ///< 7-9 u read at the last coupling (m/s)
-  kImpulse = 10,       ///< 10-12 momentum received from the fluid since the last coupling (kg m/s)
-  kDisplacement = 13,  ///< 13-15 path since the last coupling (m)
-  kPathVelocity = 16,  ///< 16-18 displacement / interval of the last coupling (m/s)
+  kDragForce = 0,         ///< 0-2 drag of the current step (N)
+  kPressureForce = 3,     ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B
+  kVoidFraction = 6,      ///< 6 eps at the particle
+  kFluidVelocity = 7,     ///< 7-9 u read at the last coupling (m/s)
+  kImpulse = 10,          ///< 10-12 momentum received from the fluid since the last coupling (kg m/s)
+  kDisplacement = 13,     ///< 13-15 path since the last coupling (m)
+  kPathVelocity = 16,     ///< 16-18 displacement / interval of the last coupling (m/s)
   kDragCoefficient = 19,  ///< 19 b_p (kg/s)
   kSeenVelocity = 20,     ///< 20-22 fluid velocity the drag of the last step was computed with (m/s)
-  kNode = 23,             ///< 23 not kept: scratch
+  kResponse = 23,         ///< 23 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
   kParticleColumns = 24
 };
 
 /// A view of this rank's own particles (no ghosts). Positions may lie up to half a skin outside the rank's box.
 struct Particles {
   int n = 0;
-  double (*x)[3] = nullptr;       ///< m
-  double (*v)[3] = nullptr;       ///< m/s
-  double (*f)[3] = nullptr;       ///< N
-  const double* radius = nullptr; ///< m
-  const double* mass = nullptr;   ///< kg
-  const int* tag = nullptr;       ///< identity, may be null
-  const int* mask = nullptr;      ///< groups, may be null: all take part
-  int group = ~0;                 ///< a particle takes part if mask & group
-  double* const* state = nullptr; ///< state[i][ParticleColumn]
+  double (*x)[3] = nullptr;        ///< m
+  double (*v)[3] = nullptr;        ///< m/s
+  double (*f)[3] = nullptr;        ///< N
+  const double* radius = nullptr;  ///< m
+  const double* mass = nullptr;    ///< kg
+  const int* tag = nullptr;        ///< identity, may be null
+  const int* mask = nullptr;       ///< groups, may be null: all take part
+  int group = ~0;                  ///< a particle takes part if mask & group
+  double* const* state = nullptr;  ///< state[i][ParticleColumn]
 
   bool takes_part(int i) const { return !mask || (mask[i] & group); }
 };

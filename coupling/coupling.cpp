@@ -1,0 +1,595 @@
+#include "coupling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <stdexcept>
+#include <vector>
+
+#include "deposit.h"
+#include "drag.h"
+#include "eps_bound.h"
+#include "ledger.h"
+#include "mean_motion.h"
+#include "read.h"
+#include "residual.h"
+#include "void_history.h"
+
+namespace twogrid {
+
+namespace {
+
+/// Interval over response time of the particles above which `hold auto` holds the flux, and below which it lets go.
+constexpr double kHoldAbove = 0.05, kHoldBelow = 0.025;
+
+/// Adds the CPU time of its life to a share.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& share) : share_(share), start_(std::clock()) {}
+  ~Stopwatch() { share_ += double(std::clock() - start_) / CLOCKS_PER_SEC; }
+
+ private:
+  double& share_;
+  std::clock_t start_;
+};
+
+/// Largest values over all particles that the fixed-point sums and the choice to hold the flux need.
+struct Extremes {
+  double radius = 0, minus_radius = -1e300, mass = 0, momentum = 0, reaction = 0, response = 0, drag_coefficient = 0,
+         drag = 0, drag_number = 0;
+  long long bad_tag = -1;
+};
+
+void check(const Settings& s) {
+  auto refuse = [](const std::string& sentence) { throw std::invalid_argument(sentence); };
+  auto number = [](double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", x);
+    return std::string(text);
+  };
+  if (!find_drag_law(s.drag))
+    refuse("drag: there is no law called '" + s.drag + "', wanted one of: " + drag_law_names());
+  if (!(s.eps_min > 0 && s.eps_min < 1)) refuse("eps_min must lie between 0 and 1, found " + number(s.eps_min));
+  if (!(s.theta >= 0.5 && s.theta <= 1)) refuse("theta must lie between 0.5 and 1, found " + number(s.theta));
+  if (s.read == Read::kKernel && !(s.kernel_width > 0))
+    refuse("read kernel needs a width above 0 (m), found " + number(s.kernel_width));
+  if ((s.read == Read::kCube || s.deposit == Deposit::kCube) && !(s.cube_edge > 0))
+    refuse("cube needs an edge above 0 (m), found " + number(s.cube_edge));
+}
+
+const Settings& checked(const Settings& s) {
+  check(s);
+  return s;
+}
+
+double read_width(const Settings& s) {
+  return s.read == Read::kKernel ? s.kernel_width : s.read == Read::kCube ? s.cube_edge : 0.0;
+}
+
+Box grown_unless_empty(const Box& b, int g) {
+  return b.empty() ? b : b.grown(g);
+}
+
+}  // namespace
+
+class Coupling::Impl {
+ public:
+  Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, const ParticleRegion& region);
+
+  void start(Particles& p, double dem_dt);
+  void advance(Particles& p, int steps, double dem_dt);
+  void force(Particles& p, double dem_dt, bool accumulate);
+
+  Report report_;
+  Shares shares_;
+  Fluid& fluid_;
+
+ private:
+  void find_particles(const Particles& p);
+  void wrap_up(Particles& p, double interval, double dem_dt);
+  void reduce(const Particles& p, Extremes& mine);
+  void deposit(const Particles& p);
+  const CellField<FineGrid>* replacement_source(const Particles& p, double interval);
+  void react(const Particles& p, double interval);
+  void kick(Particles& p, double interval);
+  void read(Particles& p, double interval);
+  void rebuild_pressure_force(Particles& p);
+  void choose_hold(double drag_number);
+  void close_ledger(double interval);
+  MeanMotion& motion();
+
+  bool formulation_A() const { return settings_.formulation == Formulation::kA; }
+  bool inside(const double x[3]) const;
+
+  MPI_Comm comm_;
+  Settings settings_;
+  const DragLaw& law_;
+  ParticleRegion region_;
+  ParticleGrid nodes_;
+  VolumeDeposit volume_deposit_;
+  SolidLimit limit_;
+  Inject inject_;
+  Reader reader_;
+  std::unique_ptr<MeanMotion> motion_;  // made when first needed
+
+  // State: what one interval leaves to the next, apart from the particles' own columns.
+  VoidHistory history_;
+  Residual residual_;        // formulation A only
+  double known_volume_ = 0;  // of the particles at the last coupling (m3)
+  bool started_ = false, holding_ = false, path_counted_ = false;
+
+  // Fields of this coupling.
+  Array3<long long> solid_, inserted_;
+  CellField<ParticleGrid> eps_node_, inserted_rate_;
+  CellField<FineGrid> inserted_cells_;
+  Interphase exchange_;
+
+  // Particles of this coupling: indices, and what belongs to them.
+  std::vector<int> inside_, leaving_, new_;
+  std::vector<Vec3> flux_velocity_;
+  std::vector<double> response_;  // b' of inside_ (kg/s)
+  Extremes extremes_;
+  long long new_count_ = 0;
+  double terms_ = 1;
+  Ledger ledger_;
+};
+
+Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, const ParticleRegion& region)
+    : fluid_(fluid),
+      comm_(comm),
+      settings_(checked(settings)),
+      law_(*find_drag_law(settings.drag)),
+      region_(region),
+      nodes_(fluid.grid(), settings.ratio),
+      volume_deposit_(comm, nodes_, node_layout(fluid.layout(), nodes_), region, settings.deposit, settings.cube_edge),
+      limit_(comm, nodes_, node_layout(fluid.layout(), nodes_), settings.bound, settings.eps_min),
+      inject_(comm, fluid.grid(), fluid.layout(), nodes_, settings.prolong, settings.eps_min),
+      reader_(comm, fluid, reads_fine_cells(settings.read) ? ParticleGrid(fluid.grid(), {1, 1, 1}) : nodes_, region,
+              settings.read, read_width(settings)) {
+  int rank = 0;
+  MPI_Comm_rank(comm_, &rank);
+  const Box own_nodes = node_layout(fluid.layout(), nodes_).cells(rank);
+  history_ = VoidHistory(grown_unless_empty(fluid.layout().cells(rank), Fluid::kHalo), settings_.interpolate);
+  solid_.reset(own_nodes);
+  eps_node_.reset(grown_unless_empty(own_nodes, 1), 1.0);
+  if (formulation_A()) residual_ = Residual(comm_, fluid_);
+}
+
+void Coupling::Impl::start(Particles& p, double dem_dt) {
+  if (started_) return;  // a further run: all state is alive, here and with the particles
+  find_particles(p);
+  new_.clear();
+  new_count_ = 0;
+  flux_velocity_.clear();
+  for (int i : inside_) {
+    double* s = p.state[i];
+    std::fill(s, s + kParticleColumns, 0.0);
+    for (int d = 0; d < 3; ++d) s[kPathVelocity + d] = p.v[i][d];
+    flux_velocity_.push_back({p.v[i][0], p.v[i][1], p.v[i][2]});
+  }
+  Extremes mine;
+  reduce(p, mine);
+  ledger_ = Ledger{};
+  deposit(p);
+  fluid_.start(history_.next());
+  history_.start();
+  read(p, settings_.every * dem_dt);
+  // Columns of forces hold what was applied last: nothing yet.
+  for (int i : inside_)
+    for (int d = 0; d < 3; ++d) p.state[i][kDragForce + d] = -p.state[i][kPressureForce + d];
+  close_ledger(0);
+  started_ = true;
+}
+
+// One interval D = steps dem_dt, t^{n-1} -> t^n; particles at x(t^n). Momentum of particle p in the interval: impulse
+// I_p (received by the semi-implicit forces of the DEM steps) and kick K_p.
+//   wrap_up   d_p = path/D;  u_ref = what the drag sees now;  b'_p = b_p/(1 + b_p D/m_p)
+//   deposit   V_p -> eps^n on the nodes, bounded -> on the fine cells
+//   react     V_f source_f = sum_p w_pf (b'_p u_ref - I_p/D),   V_f beta_f = sum_p w_pf b'_p
+//   advance   the fluid
+//   kick      K_p = b'_p (READ(mean u) - u_ref) D, so that  sum_p (I_p + K_p) + sum_f V_f (source_f - beta_f u_f) D = 0
+//   read      u, eps at the particles; b_p by the drag law; formulation A: V_p (R + D_n/eps)
+void Coupling::Impl::advance(Particles& p, int steps, double dem_dt) {
+  const double interval = steps * dem_dt;
+  ledger_ = Ledger{};
+  find_particles(p);
+  wrap_up(p, interval, dem_dt);
+  deposit(p);
+  const CellField<FineGrid>* q = replacement_source(p, interval);
+  if (!settings_.one_way) react(p, interval);
+  FluidReport fluid;
+  {
+    Stopwatch watch(shares_.fluid);
+    fluid = fluid_.advance(interval, history_.begin(interval, q), exchange_);
+  }
+  if (!settings_.one_way) kick(p, interval);
+  history_.commit();
+  read(p, interval);
+  close_ledger(interval);
+  path_counted_ = true;
+  report_.fluid_time = fluid_.time();
+  report_.fluid_dt = fluid.dt;
+  report_.cfl = fluid.cfl;
+  report_.pressure_drop = fluid.pressure_drop;
+  report_.divergence_error = fluid.divergence_error;
+  report_.pressure_iterations = fluid.pressure_iterations;
+  report_.fluid_steps += fluid.steps;
+}
+
+bool Coupling::Impl::inside(const double x[3]) const {
+  for (int d = 0; d < 3; ++d) {
+    const Axis& a = nodes_.axis[d];
+    if (!a.periodic() && (x[d] < a.lo() - region_.reach || x[d] > a.hi() + region_.reach)) return false;
+  }
+  return true;
+}
+
+void Coupling::Impl::find_particles(const Particles& p) {
+  Stopwatch watch(shares_.deposit);
+  inside_.clear();
+  leaving_.clear();
+  new_.clear();
+  for (int i = 0; i < p.n; ++i) {
+    if (!p.takes_part(i)) continue;
+    if (inside(p.x[i])) {
+      inside_.push_back(i);
+      if (p.state[i][kVoidFraction] == 0) new_.push_back(i);
+    } else if (p.state[i][kDragCoefficient] > 0) {
+      leaving_.push_back(i);
+    }
+  }
+}
+
+void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
+  Stopwatch watch(shares_.map);
+  if (holding_) motion().update(p);
+  const double r = history_.extrapolation(interval);
+  flux_velocity_.resize(inside_.size());
+  response_.resize(inside_.size());
+  Extremes mine;
+  auto note_impulse = [&](const double* s) {
+    for (int d = 0; d < 3; ++d) {
+      ledger_.action[d] += s[kImpulse + d];
+      ledger_.magnitude += std::abs(s[kImpulse + d]);
+    }
+  };
+  for (std::size_t q = 0; q < inside_.size(); ++q) {
+    const int i = inside_[q];
+    double* s = p.state[i];
+    const bool is_new = s[kVoidFraction] == 0;
+    Vec3 c{0, 0, 0}, pressure;
+    if (holding_ && s[kDragCoefficient] > 0) motion().change_at(p.x[i], c, pressure);
+    const double b = s[kResponse] / (1 + s[kResponse] * interval / p.mass[i]);
+    response_[q] = b;
+    mine.response = std::max(mine.response, b);
+    for (int d = 0; d < 3; ++d) {
+      // The step that this coupling belongs to has moved the particle, but force() hasn't seen it yet.
+      const double path = (s[kDisplacement + d] + (path_counted_ ? 0.0 : p.v[i][d] * dem_dt)) / interval;
+      const double mean = is_new ? p.v[i][d] : path;
+      flux_velocity_[q][d] = is_new ? mean : mean + r * (mean - s[kPathVelocity + d]);
+      s[kPathVelocity + d] = mean;
+      s[kDisplacement + d] = 0;
+      s[kSeenVelocity + d] = s[kFluidVelocity + d] - c[d];
+      mine.reaction = std::max(mine.reaction, std::abs(b * s[kSeenVelocity + d] - s[kImpulse + d] / interval));
+    }
+    note_impulse(s);
+  }
+  for (int i : leaving_) {
+    note_impulse(p.state[i]);
+    for (int d = 0; d < 3; ++d) mine.reaction = std::max(mine.reaction, std::abs(p.state[i][kImpulse + d]) / interval);
+  }
+  reduce(p, mine);
+}
+
+void Coupling::Impl::reduce(const Particles& p, Extremes& mine) {
+  long long count[4] = {(long long)inside_.size(), (long long)new_.size(), 0, 0}, all_counts[4];
+  for (int i : inside_) {
+    mine.radius = std::max(mine.radius, p.radius[i]);
+    mine.minus_radius = std::max(mine.minus_radius, -p.radius[i]);
+    mine.mass = std::max(mine.mass, p.mass[i]);
+    const bool finite = std::isfinite(p.x[i][0] + p.x[i][1] + p.x[i][2] + p.v[i][0] + p.v[i][1] + p.v[i][2]) &&
+                        std::isfinite(p.state[i][kImpulse] + p.state[i][kImpulse + 1] + p.state[i][kImpulse + 2]);
+    const bool covered = reader_.window().covers(p.x[i]);
+    if (finite && covered) continue;
+    ++count[finite ? 2 : 3];
+    mine.bad_tag = std::max(mine.bad_tag, p.tag ? (long long)p.tag[i] : (long long)i);
+  }
+  const double largest[6] = {mine.radius,   mine.minus_radius, mine.mass,
+                             mine.reaction, mine.response,     double(mine.bad_tag)};
+  double all[6];
+  MPI_Allreduce(largest, all, 6, MPI_DOUBLE, MPI_MAX, comm_);
+  MPI_Allreduce(count, all_counts, 4, MPI_LONG_LONG, MPI_SUM, comm_);
+  if (all_counts[3] > 0)
+    throw std::runtime_error(
+        std::to_string(all_counts[3]) + " particles have a position, velocity or impulse that is " +
+        "not finite, one of them tag " + std::to_string((long long)all[5]) + ": reduce timestep or every");
+  if (all_counts[2] > 0)
+    throw std::runtime_error(std::to_string(all_counts[2]) + " particles lie further than " +
+                             std::to_string(region_.reach) + " m outside their rank's box, one of them tag " +
+                             std::to_string((long long)all[5]) +
+                             ": let the neighbour lists be rebuilt more often, or reduce timestep");
+  extremes_.radius = all[0], extremes_.minus_radius = all[1], extremes_.mass = all[2];
+  extremes_.reaction = all[3], extremes_.response = all[4];
+  report_.particles = all_counts[0];
+  new_count_ = all_counts[1];
+  // Most particles a node's sum can hold: all of them, or what sixteen times its volume holds.
+  const double smallest = all_counts[0] > 0 ? sphere_volume(-extremes_.minus_radius) : 1.0;
+  terms_ = std::max(1.0, std::min(double(all_counts[0]), 16 * (nodes_.largest_volume() / smallest + 1)));
+}
+
+void Coupling::Impl::deposit(const Particles& p) {
+  Stopwatch watch(shares_.deposit);
+  for (int i : inside_) ledger_.particle_volume += sphere_volume(p.radius[i]);
+  for (int i : new_) ledger_.inserted_volume += sphere_volume(p.radius[i]);
+  CellField<FineGrid>& fine = history_.next();
+  if (settings_.one_way) {  // the fluid doesn't know of the particles
+    fine.fill(1.0);
+    ledger_.deposited_volume = ledger_.particle_volume;
+    return;
+  }
+  volume_deposit_.prepare(extremes_.radius);
+  volume_deposit_(p, inside_, solid_);
+  const FixedPoint& scale = volume_deposit_.scale();
+  const SolidLimit::Result limited = limit_(scale, solid_);
+  report_.volume_moved = limited.displaced;
+  report_.volume_unplaced = limited.unplaced;
+  double eps_min = 1;
+  for_each(solid_.box(), [&](int i, int j, int k) {
+    const double eps = 1 - scale.value(solid_(i, j, k)) / nodes_.volume(i, j, k);
+    eps_node_(i, j, k) = eps;
+    eps_min = std::min(eps_min, eps);
+  });
+  MPI_Allreduce(&eps_min, &report_.eps_min, 1, MPI_DOUBLE, MPI_MIN, comm_);
+  if (!(report_.eps_min > 0))
+    throw std::runtime_error("the particles fill a particle cell to " + std::to_string(1 - report_.eps_min) +
+                             " of its volume and there is no room beside it, wanted: at most 1 - eps_min = " +
+                             std::to_string(1 - settings_.eps_min) +
+                             ": insert fewer particles, or choose larger particle cells by ratio");
+  inject_(eps_node_, fine);
+  int rank = 0;
+  MPI_Comm_rank(comm_, &rank);
+  const FineGrid& grid = fluid_.grid();
+  for_each(fluid_.layout().cells(rank),
+           [&](int i, int j, int k) { ledger_.deposited_volume += (1 - fine(i, j, k)) * grid.volume(i, j, k); });
+}
+
+const CellField<FineGrid>* Coupling::Impl::replacement_source(const Particles& p, double interval) {
+  if (new_count_ == 0 || settings_.one_way) {
+    exchange_.mass_source.reset(Box{});
+    return nullptr;
+  }
+  if (inserted_.size() == 0) {
+    inserted_.reset(solid_.box());
+    inserted_rate_.reset(solid_.box());
+    inserted_cells_.reset(history_.next().box());
+  }
+  volume_deposit_(p, new_, inserted_);
+  const FixedPoint& scale = volume_deposit_.scale();
+  for_each(inserted_.box(), [&](int i, int j, int k) {
+    inserted_rate_(i, j, k) = -scale.value(inserted_(i, j, k)) / (nodes_.volume(i, j, k) * interval);
+  });
+  inject_.constant(inserted_rate_, inserted_cells_);
+  exchange_.mass_source = inserted_cells_;
+  return &inserted_cells_;
+}
+
+void Coupling::Impl::react(const Particles& p, double interval) {
+  Stopwatch watch(shares_.map);
+  const std::array<FixedPoint, 2> scale{FixedPoint(extremes_.reaction, terms_), FixedPoint(extremes_.response, terms_)};
+  reader_.clear_reaction();
+  Stencil w;
+  auto send = [&](int i, double b) {
+    const double* s = p.state[i];
+    reader_.weights(p.x[i], w);
+    std::array<long long, Reader::kReactions> q;
+    for (int d = 0; d < 3; ++d) q[d] = scale[0].quantise(b * s[kSeenVelocity + d] - s[kImpulse + d] / interval);
+    q[3] = scale[1].quantise(b);
+    reader_.react(w, q);
+  };
+  for (std::size_t q = 0; q < inside_.size(); ++q) send(inside_[q], response_[q]);
+  for (int i : leaving_) send(i, 0.0);
+  Vec3 held_back;
+  reader_.collect(scale, exchange_.source, exchange_.beta, held_back);
+  for (int d = 0; d < 3; ++d) ledger_.wall[d] += held_back[d] * interval;
+}
+
+void Coupling::Impl::kick(Particles& p, double interval) {
+  Stopwatch watch(shares_.map);
+  const FaceField<FineGrid>& mean = fluid_.mean_velocity();
+  reader_.load(mean);
+  Stencil w;
+  double u[3];
+  for (std::size_t q = 0; q < inside_.size(); ++q) {
+    const int i = inside_[q];
+    reader_.weights(p.x[i], w);
+    reader_.at<3>(w, u);
+    for (int d = 0; d < 3; ++d) {
+      const double k = response_[q] * (u[d] - p.state[i][kSeenVelocity + d]) * interval;
+      p.v[i][d] += k / p.mass[i];
+      ledger_.action[d] += k;
+      ledger_.magnitude += std::abs(k);
+    }
+  }
+  for (int d = 0; d < 3; ++d)
+    for_each(reader_.map().faces(d), [&](int i, int j, int k) {
+      const double f = exchange_.source[d](i, j, k) - exchange_.beta[d](i, j, k) * mean[d](i, j, k);
+      if (f != 0) ledger_.reaction[d] += f * reader_.map().face_volume(d, i, j, k) * interval;
+    });
+}
+
+void Coupling::Impl::read(Particles& p, double interval) {
+  Stopwatch watch(shares_.map);
+  const bool A = formulation_A();
+  const CellField<FineGrid>& fine = history_.now();
+  const Array3<double>& eps_field =
+      reads_fine_cells(settings_.read) ? static_cast<const Array3<double>&>(fine) : eps_node_;
+  if (A) {
+    if (started_) {
+      double sums[2] = {0, 0}, all[2];
+      for (int i : inside_) sums[0] += p.mass[i], sums[1] += sphere_volume(p.radius[i]);
+      MPI_Allreduce(sums, all, 2, MPI_DOUBLE, MPI_SUM, comm_);
+      residual_.update(fluid_, fine, exchange_, all[1] > 0 ? all[0] / all[1] : fluid_.density());
+    }
+    reader_.load(fluid_.velocity(), eps_field, residual_.field());
+  } else {
+    reader_.load(fluid_.velocity(), eps_field);
+  }
+  const double smallest = -extremes_.minus_radius;
+  const bool polydisperse = report_.particles > 0 && extremes_.radius > smallest * (1 + 1e-9);
+  if (polydisperse) motion().average_diameters(p, inside_, extremes_.radius, terms_);
+
+  const double rho = fluid_.density(), mu = fluid_.viscosity();
+  Extremes mine;
+  Stencil w;
+  double out[Reader::kFields] = {0, 0, 0, 1, 0, 0, 0};
+  for (std::size_t q = 0; q < inside_.size(); ++q) {
+    const int i = inside_[q];
+    double* s = p.state[i];
+    reader_.weights(p.x[i], w);
+    if (A)
+      reader_.at<7>(w, out);
+    else
+      reader_.at<4>(w, out);
+    const double eps = out[Reader::kEps];
+    double slip2 = 0;
+    for (int d = 0; d < 3; ++d) slip2 += (out[d] - p.v[i][d]) * (out[d] - p.v[i][d]);
+    const double slip = std::sqrt(slip2), diameter = 2 * p.radius[i];
+    const double y = polydisperse ? diameter / motion().diameter(p.x[i]) : 1.0;
+    const double b_A = drag_coefficient(law_, eps, diameter, slip, rho, mu, y);
+    const double b = A ? b_A : b_A / eps;
+    s[kVoidFraction] = eps;
+    s[kDragCoefficient] = b;
+    s[kResponse] = b_A / eps;
+    const double volume = sphere_volume(p.radius[i]);
+    for (int d = 0; d < 3; ++d) {
+      s[kImpulse + d] = 0;
+      s[kFluidVelocity + d] = s[kSeenVelocity + d] = out[d];
+      s[kPressureForce + d] = A ? volume * out[Reader::kResidual + d] : 0.0;
+      mine.momentum =
+          std::max({mine.momentum, p.mass[i] * std::abs(p.v[i][d]), p.mass[i] * std::abs(flux_velocity_[q][d])});
+      mine.drag = std::max(mine.drag, b * std::abs(out[d] - p.v[i][d]));
+    }
+    mine.drag_coefficient = std::max(mine.drag_coefficient, b);
+    mine.drag_number = std::max(mine.drag_number, b_A / eps * interval / p.mass[i]);
+  }
+  for (int i : leaving_) {
+    std::fill(p.state[i], p.state[i] + kParticleColumns, 0.0);
+    p.state[i][kVoidFraction] = 1;
+  }
+  double largest[4] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number}, all[4];
+  MPI_Allreduce(largest, all, 4, MPI_DOUBLE, MPI_MAX, comm_);
+  choose_hold(all[3]);
+  if (settings_.one_way || !(A || holding_)) return;
+  MeanMotion::Largest scale;
+  scale.mass = extremes_.mass, scale.momentum = all[0], scale.drag = all[1], scale.drag_coefficient = all[2];
+  scale.terms = terms_;
+  motion().couple(p, inside_, flux_velocity_, eps_node_, scale, A);
+  if (A) rebuild_pressure_force(p);
+}
+
+void Coupling::Impl::rebuild_pressure_force(Particles& p) {
+  double beta;
+  Vec3 drag;
+  for (int i : inside_) {
+    double* s = p.state[i];
+    motion().drag_at(p.x[i], beta, drag);
+    const double volume = sphere_volume(p.radius[i]);
+    s[kResponse] = s[kDragCoefficient] + volume * beta;
+    for (int d = 0; d < 3; ++d) s[kPressureForce + d] += volume * drag[d];
+  }
+}
+
+void Coupling::Impl::choose_hold(double drag_number) {
+  report_.max_drag_number = drag_number;
+  if (settings_.one_way || settings_.hold_flux == Choice::kOff)
+    holding_ = false;
+  else if (settings_.hold_flux == Choice::kOn)
+    holding_ = true;
+  else
+    holding_ = drag_number > (holding_ ? kHoldBelow : kHoldAbove);
+  report_.holding_flux = holding_;
+}
+
+MeanMotion& Coupling::Impl::motion() {
+  if (!motion_)
+    motion_ = std::make_unique<MeanMotion>(comm_, nodes_, node_layout(fluid_.layout(), nodes_), region_,
+                                           settings_.read == Read::kTrilinear ? Spread::kLinear : Spread::kCell);
+  return *motion_;
+}
+
+void Coupling::Impl::close_ledger(double interval) {
+  const Ledger::Balance balance = ledger_.balance(comm_);
+  report_.solid_volume = balance.solid_volume;
+  report_.solid_volume_error = balance.volume_error;
+  if (interval > 0 && !settings_.one_way) report_.momentum_error = balance.momentum_error;
+  report_.volume_inserted = balance.inserted_volume;
+  report_.volume_vanished = interval > 0 ? known_volume_ + balance.inserted_volume - balance.solid_volume : 0.0;
+  if (std::abs(report_.volume_vanished) <= 1e-10 * known_volume_) report_.volume_vanished = 0;  // round-off of the sums
+  known_volume_ = balance.solid_volume;
+}
+
+// F = b (u_seen - v) + F_p,  f <- (f + F)/(1 + theta c D/m), D = dem_dt
+//   not holding   u_seen = u_read, c = b
+//   holding       u_seen = u_read - C(t), c = b_tot (1 + eps_s/eps); formulation A: F_p grows by V_p P(t)
+void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
+  Stopwatch watch(shares_.force);
+  const bool add_path = accumulate && !path_counted_;
+  if (accumulate) path_counted_ = false;
+  if (holding_) motion().update(p);
+  const bool A = formulation_A();
+  const double theta_dt = settings_.theta * dem_dt;
+  Vec3 c{0, 0, 0}, pressure{0, 0, 0};
+  for (int i = 0; i < p.n; ++i) {
+    if (!p.takes_part(i)) continue;
+    double* s = p.state[i];
+    const double b = s[kDragCoefficient];
+    double volume = 0, response = b;
+    if (holding_ && b > 0) {
+      motion().change_at(p.x[i], c, pressure);
+      volume = A ? sphere_volume(p.radius[i]) : 0.0;
+      response = s[kResponse] / s[kVoidFraction];
+    }
+    const double factor = 1 / (1 + theta_dt * response / p.mass[i]);
+    for (int d = 0; d < 3; ++d) {
+      const double seen = s[kFluidVelocity + d] - c[d];
+      const double other = p.f[i][d];
+      const double total = (other + b * (seen - p.v[i][d]) + s[kPressureForce + d] + volume * pressure[d]) * factor;
+      const double received = total - other;
+      // In set-up the force is applied for half a step, in place of the half step that the last one would have had.
+      s[kImpulse + d] +=
+          accumulate ? received * dem_dt : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d]);
+      s[kDragForce + d] = received - s[kPressureForce + d];
+      s[kSeenVelocity + d] = seen;
+      if (add_path) s[kDisplacement + d] += p.v[i][d] * dem_dt;
+      p.f[i][d] = total;
+    }
+    if (holding_) c = pressure = {0, 0, 0};
+  }
+}
+
+Coupling::Coupling(MPI_Comm comm, const Settings& settings, Fluid& fluid, const Vec3& sub_lo, const Vec3& sub_hi,
+                   double reach)
+    : impl_(std::make_unique<Impl>(comm, settings, fluid, ParticleRegion{sub_lo, sub_hi, reach})) {}
+
+Coupling::~Coupling() = default;
+
+void Coupling::start(Particles& p, double dem_dt) {
+  impl_->start(p, dem_dt);
+}
+void Coupling::advance(Particles& p, int steps, double dem_dt) {
+  impl_->advance(p, steps, dem_dt);
+}
+void Coupling::force(Particles& p, double dem_dt, bool accumulate) {
+  impl_->force(p, dem_dt, accumulate);
+}
+const Report& Coupling::report() const {
+  return impl_->report_;
+}
+const Shares& Coupling::shares() const {
+  return impl_->shares_;
+}
+Fluid& Coupling::fluid() {
+  return impl_->fluid_;
+}
+
+}  // namespace twogrid

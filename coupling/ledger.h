@@ -1,0 +1,50 @@
+// What the coupling takes and gives: sums that must cancel, with compensated addition so that the sums themselves don't
+// hide an error.
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "../cfd/box.h"
+
+namespace twogrid {
+
+/// Neumaier's compensated sum.
+class Sum {
+ public:
+  void operator+=(double x) {
+    const double t = sum_ + x;
+    rest_ += std::abs(sum_) >= std::abs(x) ? (sum_ - t) + x : (x - t) + sum_;
+    sum_ = t;
+  }
+  double value() const { return sum_ + rest_; }
+
+ private:
+  double sum_ = 0, rest_ = 0;
+};
+
+/// Momentum exchanged in one interval, and solid volume; this rank's part, then all ranks' together.
+struct Ledger {
+  std::array<Sum, 3> action;    ///< impulses and kicks that the particles received (kg m/s)
+  std::array<Sum, 3> reaction;  ///< received by the fluid
+  std::array<Sum, 3> wall;      ///< received by walls: read and reacted where no face is solved
+  Sum magnitude;                ///< sum of |impulse| + |kick|, per component
+  Sum particle_volume;          ///< sum of V_p (m3)
+  Sum inserted_volume;          ///< sum of V_p of particles that are new since the last coupling (m3)
+  Sum deposited_volume;         ///< sum over fine cells of (1 - eps) V (m3)
+
+  /// Relative errors from the sums over all ranks. Collective.
+  struct Balance {
+    double momentum_error = 0;   ///< |action + reaction + wall| / magnitude
+    double volume_error = 0;     ///< |deposited - particles| / particles
+    double solid_volume = 0;     ///< of the particles (m3)
+    double inserted_volume = 0;  ///< m3
+    Vec3 wall{0, 0, 0};          ///< kg m/s
+  };
+  Balance balance(MPI_Comm comm) const;
+};
+
+}  // namespace twogrid

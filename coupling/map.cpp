@@ -1,0 +1,231 @@
+#include "map.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace twogrid {
+
+namespace {
+
+int rank_of(MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+std::vector<Box> grown(std::vector<Box> boxes, const Int3& lo, const Int3& hi) {
+  for (Box& b : boxes)
+    if (!b.empty())
+      for (int d = 0; d < 3; ++d) b.lo[d] -= lo[d], b.hi[d] += hi[d];
+  return boxes;
+}
+
+}  // namespace
+
+Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
+    : fluid_(&fluid), grid_(grid), layout_(node_layout(fluid.layout(), grid)), fine_(fluid.grid()) {
+  const int rank = rank_of(comm);
+  own_ = layout_.cells(rank);
+  const std::vector<Box> below = grown(layout_.all_cells(), {1, 1, 1}, {0, 0, 0});
+  below_ = BlockExchange(comm, layout_.all_cells(), below, grid_.n(), grid_.periodic());
+  for (int d = 0; d < 3; ++d) {
+    faces_[d] = fluid.layout().faces(d, rank);
+    const Axis& a = fine_.axis[d];
+    const int r = grid_.ratio[d];
+    half_[d].resize(std::size_t(grid_.n()[d]) * (r + 1));
+    for (int n = 0; n < grid_.n()[d]; ++n)
+      for (int m = 0; m <= r; ++m)
+        half_[d][n * (r + 1) + m] = 0.5 * ((m > 0 ? a.width(n * r + m - 1) : 0) + (m < r ? a.width(n * r + m) : 0));
+    inverse_[d].reset(own_);
+    share_[d].reset(below[rank]);
+    const Array3<FaceState>& state = fluid.face_state(d);
+    for_each(own_, [&](int I, int J, int K) {
+      Box b = grid_.block(I, J, K);
+      const Int3 first = b.lo, node{I, J, K};
+      ++b.hi[d];
+      double sum = 0;
+      for_each(b, [&](int i, int j, int k) {
+        if (state(i, j, k) == FaceState::kFixed) return;
+        const Int3 c{i, j, k};
+        sum += fine_.area(d, i, j, k) * half_[d][node[d] * (r + 1) + c[d] - first[d]];
+      });
+      inverse_[d](I, J, K) = sum > 0 ? 1 / sum : 0.0;
+    });
+  }
+}
+
+double Map::face_volume(int d, int i, int j, int k) const {
+  const Int3 c{i, j, k};
+  const Axis& a = fine_.axis[d];
+  const bool lo_side = !a.periodic() && c[d] == 0, hi_side = !a.periodic() && c[d] == a.n();
+  return 0.5 * ((lo_side ? 0 : a.width(c[d] - 1)) + (hi_side ? 0 : a.width(c[d]))) * fine_.area(d, i, j, k);
+}
+
+void Map::mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGrid>>& node) const {
+  for (int d = 0; d < 3; ++d) {
+    const Array3<FaceState>& state = fluid_->face_state(d);
+    const int r = grid_.ratio[d];
+    const FaceComponent<FineGrid>& u = face[d];
+    CellField<ParticleGrid>& out = node[d];
+    for_each(own_, [&](int I, int J, int K) {
+      const double inverse = inverse_[d](I, J, K);
+      if (inverse == 0) {
+        out(I, J, K) = 0;
+        return;
+      }
+      Box b = grid_.block(I, J, K);
+      const Int3 node_index{I, J, K};
+      const double* half = &half_[d][std::size_t(node_index[d]) * (r + 1)];
+      double sum = 0;
+      const Int3 first = b.lo;
+      ++b.hi[d];
+      for (int k = b.lo[2]; k < b.hi[2]; ++k) {
+        const double wk = d == 2 ? half[k - first[2]] : fine_.axis[2].width(k);
+        for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+          const double wjk = wk * (d == 1 ? half[j - first[1]] : fine_.axis[1].width(j));
+          const std::ptrdiff_t mu = u.index(b.lo[0], j, k), ms = state.index(b.lo[0], j, k);
+          for (int i = 0; i < b.hi[0] - b.lo[0]; ++i) {
+            const double w = wjk * (d == 0 ? half[i] : fine_.axis[0].width(b.lo[0] + i));
+            if (state.data()[ms + i] == FaceState::kSolved) sum += w * u.data()[mu + i];
+          }
+        }
+      }
+      out(I, J, K) = sum * inverse;
+    });
+  }
+}
+
+Vec3 Map::spread(const std::array<const CellField<ParticleGrid>*, 3>& node, FaceField<FineGrid>& density) {
+  Vec3 held_back{0, 0, 0};
+  for (int d = 0; d < 3; ++d) {
+    double sum = 0;
+    for_each(own_, [&](int I, int J, int K) {
+      const double q = (*node[d])(I, J, K), inverse = inverse_[d](I, J, K);
+      share_[d](I, J, K) = q * inverse;
+      if (inverse == 0) sum += q;
+    });
+    held_back[d] = sum;
+  }
+  below_.bring<double>({&share_[0], &share_[1], &share_[2]});
+  for (int d = 0; d < 3; ++d) {
+    const Array3<FaceState>& state = fluid_->face_state(d);
+    const CellField<ParticleGrid>& share = share_[d];
+    const Axis& a = fine_.axis[d];
+    const Int3 r = grid_.ratio;
+    FaceComponent<FineGrid>& out = density[d];
+    for_each(faces_[d], [&](int i, int j, int k) {
+      if (state(i, j, k) == FaceState::kFixed) {
+        out(i, j, k) = 0;
+        return;
+      }
+      const Int3 c{i, j, k};
+      Int3 above{i / r[0], j / r[1], k / r[2]};
+      if (c[d] % r[d] != 0) {  // inside a block: W_nf = V_f
+        out(i, j, k) = share(above[0], above[1], above[2]);
+        return;
+      }
+      Int3 under = above;
+      --under[d];
+      const bool lo_side = !a.periodic() && c[d] == 0, hi_side = !a.periodic() && c[d] == a.n();
+      if (lo_side || hi_side) {
+        const Int3& n = lo_side ? above : under;
+        out(i, j, k) = share(n[0], n[1], n[2]);
+        return;
+      }
+      const double h0 = a.width(c[d] - 1), h1 = a.width(c[d]);
+      out(i, j, k) = (h0 * share(under[0], under[1], under[2]) + h1 * share(above[0], above[1], above[2])) / (h0 + h1);
+    });
+  }
+  return held_back;
+}
+
+Inject::Inject(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const ParticleGrid& grid, Prolong kind,
+               double eps_min)
+    : fine_(fine), grid_(grid), kind_(kind), eps_min_(eps_min) {
+  const int rank = rank_of(comm);
+  const Layout nodes = node_layout(layout, grid);
+  own_nodes_ = nodes.cells(rank);
+  own_cells_ = layout.cells(rank);
+  node_halo_ =
+      BlockExchange(comm, nodes.all_cells(), grown(nodes.all_cells(), {1, 1, 1}, {1, 1, 1}), grid.n(), grid.periodic());
+  fine_halo_ = BlockExchange(comm, layout.all_cells(), grown(layout.all_cells(), {2, 2, 2}, {2, 2, 2}), fine.n(),
+                             fine.periodic());
+}
+
+void Inject::constant(const CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const {
+  const Int3 r = grid_.ratio;
+  for_each(own_cells_, [&](int i, int j, int k) { fine(i, j, k) = node(i / r[0], j / r[1], k / r[2]); });
+  fill_halo(fine);
+}
+
+void Inject::operator()(CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const {
+  if (kind_ == Prolong::kConstant || grid_.ratio == Int3{1, 1, 1}) {
+    constant(node, fine);
+    return;
+  }
+  node_halo_.bring<double>(node);
+  const Int3 n = grid_.n();
+  for_each(own_nodes_, [&](int I, int J, int K) {
+    const Int3 c{I, J, K};
+    const double e = node(I, J, K);
+    const Box block = grid_.block(I, J, K);
+    Vec3 slope{0, 0, 0};
+    double deviation = 0;  // largest of the profile
+    for (int d = 0; d < 3; ++d) {
+      const Axis& a = grid_.axis[d];
+      if (grid_.ratio[d] == 1 || (!a.periodic() && (c[d] == 0 || c[d] == n[d] - 1))) continue;
+      Int3 lo = c, hi = c;
+      --lo[d], ++hi[d];
+      const double below = (e - node(lo[0], lo[1], lo[2])) / (a.centre(c[d]) - a.centre(c[d] - 1));
+      const double above = (node(hi[0], hi[1], hi[2]) - e) / (a.centre(c[d] + 1) - a.centre(c[d]));
+      if (below * above > 0) slope[d] = std::abs(below) < std::abs(above) ? below : above;
+      const Axis& f = fine_.axis[d];
+      deviation += std::abs(slope[d]) *
+                   std::max(a.centre(c[d]) - f.centre(block.lo[d]), f.centre(block.hi[d] - 1) - a.centre(c[d]));
+    }
+    if (deviation > 0) {
+      const double room = std::max(0.0, std::min(1 - e, e - eps_min_));
+      if (deviation > room)
+        for (double& s : slope) s *= room / deviation;
+    }
+    for_each(block, [&](int i, int j, int k) {
+      const Axis* f = fine_.axis.data();
+      fine(i, j, k) = e + slope[0] * (f[0].centre(i) - grid_.axis[0].centre(I)) +
+                      slope[1] * (f[1].centre(j) - grid_.axis[1].centre(J)) +
+                      slope[2] * (f[2].centre(k) - grid_.axis[2].centre(K));
+    });
+  });
+  fill_halo(fine);
+}
+
+void Inject::fill_halo(CellField<FineGrid>& fine) const {
+  fine_halo_.bring<double>(fine);
+  if (own_cells_.empty()) return;
+  // Copies beyond the sides, one direction after the other, so that edges and corners are filled too.
+  Box done = fine.box();
+  for (int d = 0; d < 3; ++d)
+    if (!fine_.axis[d].periodic()) {
+      done.lo[d] = std::max(done.lo[d], 0);
+      done.hi[d] = std::min(done.hi[d], fine_.axis[d].n());
+    }
+  for (int d = 0; d < 3; ++d) {
+    if (fine_.axis[d].periodic()) continue;
+    const int n = fine_.axis[d].n();
+    Box beyond = done;
+    beyond.lo[d] = fine.box().lo[d], beyond.hi[d] = 0;
+    for_each(beyond, [&](int i, int j, int k) {
+      Int3 c{i, j, k};
+      c[d] = 0;
+      fine(i, j, k) = fine(c[0], c[1], c[2]);
+    });
+    beyond.lo[d] = n, beyond.hi[d] = fine.box().hi[d];
+    for_each(beyond, [&](int i, int j, int k) {
+      Int3 c{i, j, k};
+      c[d] = n - 1;
+      fine(i, j, k) = fine(c[0], c[1], c[2]);
+    });
+    done.lo[d] = fine.box().lo[d], done.hi[d] = fine.box().hi[d];
+  }
+}
+
+}  // namespace twogrid

@@ -1,0 +1,85 @@
+// The map between the two grids. Two pairs of verbs:
+//   mean    fine faces -> nodes   velocity, and everything that is read: mean over the block of one node, per direction
+//   spread  nodes -> fine faces   momentum, the transpose of mean
+//   inject  nodes -> fine cells   void fraction, constant or linear in each block
+// Block of node n, direction d: all faces normal to d that touch its fine cells. Each weighs W_nf, the part of its
+// momentum volume (half of either neighbour cell) that lies inside the block; faces whose velocity is prescribed weigh
+// zero. With the sum W_n over the block's faces,
+//   mean     u_n = sum_f W_nf u_f / W_n            (0 where W_n = 0)
+//   spread   V_f s_f = sum_n W_nf q_n / W_n,  V_f = sum_n W_nf: the part of the momentum volume inside the domain
+// so that sum_f V_f s_f u_f = sum_n q_n u_n for any q and u, and sum_f V_f s_f = sum_n q_n but for nodes with W_n = 0.
+#pragma once
+
+#include <mpi.h>
+
+#include "../cfd/block_exchange.h"
+#include "../cfd/fluid.h"
+#include "particle_grid.h"
+#include "settings.h"
+
+namespace twogrid {
+
+template <class T>
+using NodeVector = std::array<T, 3>;
+
+class Map {
+ public:
+  /// Keeps the fluid's face states of now. Collective.
+  Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid);
+
+  const ParticleGrid& grid() const { return grid_; }
+  const Layout& layout() const { return layout_; }
+  /// The rank's own nodes.
+  const Box& own() const { return own_; }
+  /// Own fine faces normal to d.
+  const Box& faces(int d) const { return faces_[d]; }
+  /// V_f of an own face (m3).
+  double face_volume(int d, int i, int j, int k) const;
+
+  /// `face` covers own faces and a halo of one, filled; `node` own nodes.
+  void mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGrid>>& node) const;
+  /// node[d]: integrals over the node (N, kg/s); density[d]: per volume, on own faces. Components with the same values
+  /// may be one array given three times. Returns what nodes without a solved face held back, summed over own nodes.
+  /// Collective.
+  Vec3 spread(const std::array<const CellField<ParticleGrid>*, 3>& node, FaceField<FineGrid>& density);
+
+ private:
+  const Fluid* fluid_;
+  ParticleGrid grid_;
+  Layout layout_;
+  Box own_;
+  std::array<Box, 3> faces_;
+  FineGrid fine_;
+  std::array<std::vector<double>, 3> half_;      // [d][N (r + 1) + m]: width inside block N of its face m
+  NodeVector<CellField<ParticleGrid>> inverse_;  // 1 / W_n, own nodes
+  NodeVector<CellField<ParticleGrid>> share_;    // q_n / W_n on own nodes and those below
+  BlockExchange below_;
+};
+
+/// Prolongation of the void fraction.
+class Inject {
+ public:
+  /// Collective. eps_min bounds the linear profile from below.
+  Inject(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const ParticleGrid& grid, Prolong kind,
+         double eps_min);
+
+  /// node covers own nodes and a halo of one (filled here when needed); fine covers own cells and a halo of two, filled
+  /// here: owners' values, and beyond sides that are not periodic copies of the cell at the side. Collective.
+  /// Linear: e_n + sum_d g_d (x - x_n), g_d the smaller of the two one-sided slopes (zero where they differ in sign),
+  /// scaled back so that eps_min <= eps <= 1. The block's mean stays e_n: no volume is gained or lost.
+  void operator()(CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;
+  /// The same, constant in each block.
+  void constant(const CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;
+
+ private:
+  void fill_halo(CellField<FineGrid>& fine) const;
+
+  const FineGrid fine_;
+  ParticleGrid grid_;
+  Prolong kind_;
+  double eps_min_;
+  Box own_nodes_, own_cells_;
+  BlockExchange node_halo_, fine_halo_;
+};
+
+}  // namespace twogrid

@@ -1,0 +1,189 @@
+#include "mean_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace twogrid {
+
+namespace {
+
+int rank_of(MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+bool feels_drag(const Particles& p, int i) {
+  return p.takes_part(i) && p.state[i][kDragCoefficient] > 0;
+}
+
+}  // namespace
+
+MeanMotion::MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region,
+                       Spread spread)
+    : comm_(comm), grid_(grid), own_(nodes.cells(rank_of(comm))), window_(comm, grid, nodes, region, spread, 0.0) {
+  for (auto& a : window_sum_) a.reset(window_.box());
+  for (auto& a : node_sum_) a.reset(own_);
+  for (auto& a : shown_) a.reset(own_);
+  for (auto& a : window_shown_) a.reset(window_.box());
+  solid_ratio_.reset(own_);
+  beta_.reset(own_);
+  for (auto& a : v_flux_) a.reset(own_);
+  for (auto& a : v_n_) a.reset(own_);
+}
+
+void MeanMotion::collect(int n) {
+  std::vector<const Array3<long long>*> window;
+  std::vector<Array3<long long>*> node;
+  for (int c = 0; c < n; ++c) {
+    node_sum_[c].fill(0);
+    window.push_back(&window_sum_[c]);
+    node.push_back(&node_sum_[c]);
+  }
+  window_.add(window, node);
+}
+
+void MeanMotion::bring(int first, int n) {
+  std::vector<const Array3<double>*> node;
+  std::vector<Array3<double>*> window;
+  for (int c = first; c < first + n; ++c) {
+    node.push_back(&shown_[c]);
+    window.push_back(&window_shown_[c]);
+  }
+  window_.bring<double>(node, window);
+}
+
+void MeanMotion::average_diameters(const Particles& p, const std::vector<int>& who, double largest_radius,
+                                   double terms) {
+  const FixedPoint cubes(8 * largest_radius * largest_radius * largest_radius, terms);
+  const FixedPoint squares(4 * largest_radius * largest_radius, terms);
+  for (int c = 0; c < 2; ++c) window_sum_[c].fill(0);
+  for (int i : who) {
+    const double d = 2 * p.radius[i];
+    window_.weights(p.x[i], stencil_);
+    scatter(stencil_, cubes.quantise(d * d * d), window_sum_[0]);
+    scatter(stencil_, squares.quantise(d * d), window_sum_[1]);
+  }
+  collect(2);
+  for (std::size_t m = 0; m < shown_[0].size(); ++m) {
+    const double square = squares.value(node_sum_[1].data()[m]);
+    shown_[0].data()[m] = square > 0 ? cubes.value(node_sum_[0].data()[m]) / square : 0.0;
+  }
+  bring(0, 1);
+}
+
+double MeanMotion::diameter(const double x[3]) {
+  window_.weights(x, stencil_);
+  const double* field[1] = {window_shown_[0].data()};
+  double out[1];
+  gather<1>(stencil_, window_shown_[0], field, out);
+  return out[0];
+}
+
+void MeanMotion::sum_motion(const Particles& p, const std::vector<int>* who) {
+  for (int c = 0; c < 4; ++c) window_sum_[c].fill(0);
+  auto add = [&](int i) {
+    window_.weights(p.x[i], stencil_);
+    scatter(stencil_, mass_unit_.quantise(p.mass[i]), window_sum_[0]);
+    for (int d = 0; d < 3; ++d) scatter(stencil_, momentum_unit_.quantise(p.mass[i] * p.v[i][d]), window_sum_[1 + d]);
+  };
+  if (who)
+    for (int i : *who) add(i);
+  else
+    for (int i = 0; i < p.n; ++i)
+      if (feels_drag(p, i)) add(i);
+}
+
+void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const std::vector<Vec3>& flux_velocity,
+                        const CellField<ParticleGrid>& eps, const Largest& largest, bool drag) {
+  drag_ = drag;
+  mass_unit_ = FixedPoint(largest.mass, largest.terms);
+  terms_ = largest.terms;
+  momentum_unit_ = FixedPoint(largest.momentum, terms_);
+  const FixedPoint b_unit(largest.drag_coefficient, largest.terms), force_unit(largest.drag, largest.terms);
+  sum_motion(p, &who);
+  const int sums = drag ? 11 : 7;
+  for (int c = 4; c < sums; ++c) window_sum_[c].fill(0);
+  for (std::size_t q = 0; q < who.size(); ++q) {
+    const int i = who[q];
+    window_.weights(p.x[i], stencil_);
+    for (int d = 0; d < 3; ++d)
+      scatter(stencil_, momentum_unit_.quantise(p.mass[i] * flux_velocity[q][d]), window_sum_[4 + d]);
+    if (!drag) continue;
+    const double* s = p.state[i];
+    const double b = s[kDragCoefficient];
+    scatter(stencil_, b_unit.quantise(b), window_sum_[7]);
+    for (int d = 0; d < 3; ++d)
+      scatter(stencil_, force_unit.quantise(b * (s[kFluidVelocity + d] - p.v[i][d])), window_sum_[8 + d]);
+  }
+  collect(sums);
+  for_each(own_, [&](int i, int j, int k) {
+    const double e = eps(i, j, k);
+    solid_ratio_(i, j, k) = (1 - e) / e;
+    const double mass = mass_unit_.value(node_sum_[0](i, j, k));
+    const double inverse = mass > 0 ? 1 / mass : 0.0;
+    for (int d = 0; d < 3; ++d) {
+      v_n_[d](i, j, k) = momentum_unit_.value(node_sum_[1 + d](i, j, k)) * inverse;
+      v_flux_[d](i, j, k) = momentum_unit_.value(node_sum_[4 + d](i, j, k)) * inverse;
+    }
+    if (!drag) return;
+    const double scale = 1 / (e * grid_.volume(i, j, k));
+    beta_(i, j, k) = shown_[0](i, j, k) = b_unit.value(node_sum_[7](i, j, k)) * scale;
+    for (int d = 0; d < 3; ++d) shown_[1 + d](i, j, k) = force_unit.value(node_sum_[8 + d](i, j, k)) * scale;
+  });
+  if (drag) bring(0, 4);
+}
+
+void MeanMotion::drag_at(const double x[3], double& beta, Vec3& d) {
+  window_.weights(x, stencil_);
+  const double* field[4];
+  double out[4];
+  for (int c = 0; c < 4; ++c) field[c] = window_shown_[c].data();
+  gather<4>(stencil_, window_shown_[0], field, out);
+  beta = out[0];
+  d = {out[1], out[2], out[3]};
+}
+
+void MeanMotion::update(const Particles& p) {
+  double mine = 0, largest = 0;
+  for (int i = 0; i < p.n; ++i)
+    if (feels_drag(p, i))
+      for (int d = 0; d < 3; ++d) mine = std::max(mine, p.mass[i] * std::abs(p.v[i][d]));
+  MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  momentum_unit_ = FixedPoint(largest, terms_);
+  sum_motion(p, nullptr);
+  collect(4);
+  for_each(own_, [&](int i, int j, int k) {
+    const double mass = mass_unit_.value(node_sum_[0](i, j, k));
+    for (int d = 0; d < 3; ++d) {
+      double c = 0, pressure = 0;
+      if (mass > 0) {
+        const double v = momentum_unit_.value(node_sum_[1 + d](i, j, k)) / mass;
+        c = solid_ratio_(i, j, k) * (v - v_flux_[d](i, j, k));
+        if (drag_) pressure = -beta_(i, j, k) * (c + v - v_n_[d](i, j, k));
+      }
+      shown_[d](i, j, k) = c;
+      shown_[3 + d](i, j, k) = pressure;
+    }
+  });
+  bring(0, drag_ ? 6 : 3);
+}
+
+void MeanMotion::change_at(const double x[3], Vec3& c, Vec3& pressure) {
+  window_.weights(x, stencil_);
+  const double* field[6];
+  double out[6];
+  for (int q = 0; q < 6; ++q) field[q] = window_shown_[q].data();
+  if (drag_) {
+    gather<6>(stencil_, window_shown_[0], field, out);
+  } else {
+    const double* three[3] = {field[0], field[1], field[2]};
+    double o[3];
+    gather<3>(stencil_, window_shown_[0], three, o);
+    for (int d = 0; d < 3; ++d) out[d] = o[d], out[3 + d] = 0;
+  }
+  c = {out[0], out[1], out[2]};
+  pressure = {out[3], out[4], out[5]};
+}
+
+}  // namespace twogrid

@@ -1,0 +1,44 @@
+#include "residual.h"
+
+namespace twogrid {
+
+Residual::Residual(MPI_Comm comm, const Fluid& fluid) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  for (int d = 0; d < 3; ++d) {
+    const std::vector<Box> owned = fluid.layout().all_faces(d);
+    std::vector<Box> wanted = owned;
+    for (Box& b : wanted)
+      if (!b.empty()) b = b.grown(1);
+    halo_[d] = BlockExchange(comm, owned, wanted, fluid.grid().n(), fluid.grid().periodic());
+    own_[d] = owned[rank];
+    r_[d].reset(wanted[rank]);
+  }
+}
+
+void Residual::update(const Fluid& fluid, const CellField<FineGrid>& eps, const Interphase& exchange,
+                      double particle_density) {
+  const double density_ratio = fluid.density() / particle_density;
+  for (int d = 0; d < 3; ++d) {
+    const Axis& a = fluid.grid().axis[d];
+    const Array3<FaceState>& state = fluid.face_state(d);
+    const FaceComponent<FineGrid>& gradient = fluid.mean_pressure_gradient()[d];
+    const FaceComponent<FineGrid>& u = fluid.mean_velocity()[d];
+    const bool reacts = exchange.source[d].size() > 0;
+    for_each(own_[d], [&](int i, int j, int k) {
+      if (state(i, j, k) == FaceState::kFixed) return;
+      Int3 c{i, j, k}, under = c;
+      --under[d];
+      const double h0 = a.width(under[d]), h1 = a.width(c[d]);
+      const double e = (h0 * eps(under[0], under[1], under[2]) + h1 * eps(i, j, k)) / (h0 + h1);
+      const double balance =
+          gradient(i, j, k) - (reacts ? exchange.source[d](i, j, k) - exchange.beta[d](i, j, k) * u(i, j, k) : 0.0);
+      const double w = 1 / (1 + (1 - e) / e * density_ratio);
+      double& r = r_[d](i, j, k);
+      r += w * (-balance / e - r);
+    });
+    halo_[d].bring<double>(r_[d]);
+  }
+}
+
+}  // namespace twogrid

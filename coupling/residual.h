@@ -1,0 +1,35 @@
+// What is left of -grad p when the particles' reaction is taken out: the fluid's inertia and viscous force per volume
+// of fluid. From the fluid's momentum balance of the last interval, on each solved face:
+//   R_new = -(grad p - source + beta u) / eps,     grad p and u: means over the interval
+//   R <- R + w (R_new - R),     w = 1/(1 + (eps_s/eps) rho_f/rho_p)
+// The weight is that of an implicit treatment of the added mass: a light particle accelerates the fluid around it,
+// whose inertia acts back on it; without w the exchange diverges for rho_p below about rho_f eps_s/eps. Formulation A
+// rebuilds the pressure force of a particle from it: V_p (R + D/eps), D: drag per volume (mean_motion.h).
+#pragma once
+
+#include <mpi.h>
+
+#include "../cfd/block_exchange.h"
+#include "../cfd/fluid.h"
+
+namespace twogrid {
+
+class Residual {
+ public:
+  Residual() = default;
+  /// Zero to begin with. Collective.
+  Residual(MPI_Comm comm, const Fluid& fluid);
+
+  /// eps: cells, halo included. exchange: of the interval just advanced; its fields may be empty. Collective.
+  void update(const Fluid& fluid, const CellField<FineGrid>& eps, const Interphase& exchange, double particle_density);
+
+  /// N/m3, own faces and a halo of one.
+  const FaceField<FineGrid>& field() const { return r_; }
+
+ private:
+  std::array<Box, 3> own_;
+  FaceField<FineGrid> r_;
+  std::array<BlockExchange, 3> halo_;
+};
+
+}  // namespace twogrid

@@ -1,0 +1,156 @@
+#include "window.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace twogrid {
+
+namespace {
+
+/// Node that holds x, images of a periodic direction included; a side that is not periodic gives -1 or n.
+int find_image(const Axis& a, double x) {
+  if (!a.periodic()) return a.find(x);
+  const int image = int(std::floor((x - a.lo()) / a.length()));
+  return std::clamp(a.find(x - image * a.length()), 0, a.n() - 1) + image * a.n();
+}
+
+/// Low side of node i, images included.
+double node_image(const Axis& a, int i) {
+  const int image = int(std::floor(double(i) / a.n()));
+  return a.node(i - image * a.n()) + image * a.length();
+}
+
+/// Integral of the quadratic B-spline from minus infinity to s, s in thirds of its full width.
+double spline_integral(double s) {
+  if (s <= -1.5) return 0;
+  if (s >= 1.5) return 1;
+  if (s < -0.5) return (s + 1.5) * (s + 1.5) * (s + 1.5) / 6;
+  if (s > 0.5) return 1 - (1.5 - s) * (1.5 - s) * (1.5 - s) / 6;
+  return 0.5 + s * (0.75 - s * s / 3);
+}
+
+void linear_weights(const Window::Span& a, double x, int& lo, int& n, double* w) {
+  const int i = a.find(x);
+  const int left = x < a.centre[i - a.lo] ? i - 1 : i;
+  if (left < a.lo || left + 1 >= a.hi) {
+    lo = i, n = 1, w[0] = 1;
+    return;
+  }
+  const double c0 = a.centre[left - a.lo], c1 = a.centre[left + 1 - a.lo];
+  lo = left, n = 2;
+  w[1] = (x - c0) / (c1 - c0);
+  w[0] = 1 - w[1];
+}
+
+void kernel_weights(const Window::Span& a, double x, double width, int& lo, int& n, double* w) {
+  if (!a.periodic) x = std::clamp(x, a.domain_lo, a.domain_hi);
+  lo = a.find(x - 0.5 * width);
+  const int last = a.find(x + 0.5 * width);
+  n = last - lo + 1;
+  const double scale = 3 / width;
+  const double first = spline_integral((a.low(lo) - x) * scale);
+  double left = first;
+  for (int i = 0; i < n; ++i) {
+    const double right = spline_integral((a.high(lo + i) - x) * scale);
+    w[i] = right - left;
+    left = right;
+  }
+  const double inverse = 1 / (left - first);
+  for (int i = 0; i < n; ++i) w[i] *= inverse;
+}
+
+void cube_weights(const Window::Span& a, double x, double edge, int& lo, int& n, double* w) {
+  double left = x - 0.5 * edge, right = x + 0.5 * edge;
+  if (!a.periodic) {
+    if (left < a.domain_lo) left = a.domain_lo, right = std::min(left + edge, a.domain_hi);
+    if (right > a.domain_hi) right = a.domain_hi, left = std::max(right - edge, a.domain_lo);
+  }
+  lo = a.find(left);
+  const int last = std::max(lo, a.find(right));
+  n = last - lo + 1;
+  const double inverse = 1 / (right - left);
+  for (int i = 0; i < n; ++i)
+    w[i] = std::max(0.0, std::min(right, a.high(lo + i)) - std::max(left, a.low(lo + i))) * inverse;
+}
+
+}  // namespace
+
+int Window::Span::find(double x) const {
+  const int n = hi - lo;
+  int i;
+  if (uniform) {
+    i = int(std::clamp((x - node[0]) * inverse_width, 0.0, n - 1.0));
+    // Rounding of the product must not put x on the wrong side of a node.
+    while (i > 0 && x < node[i]) --i;
+    while (i + 1 < n && x >= node[i + 1]) ++i;
+  } else {
+    i = std::clamp(int(std::upper_bound(node.begin(), node.end(), x) - node.begin()) - 1, 0, n - 1);
+  }
+  return i + lo;
+}
+
+Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region,
+               Spread spread, double width)
+    : spread_(spread), width_(width) {
+  for (int d = 0; d < 3; ++d) {
+    const Axis& a = grid.axis[d];
+    Span& s = span_[d];
+    // A cube shifted inside at a wall reaches its whole edge inwards; one node more all around covers the pair of
+    // linear weights and rounding of the coordinates.
+    const double margin = region.reach + (spread == Spread::kCube ? width : 0.5 * width);
+    s.lo = find_image(a, region.lo[d] - margin) - 2;
+    s.hi = find_image(a, region.hi[d] + margin) + 3;
+    if (!a.periodic()) {
+      s.lo = std::clamp(s.lo, 0, a.n() - 1);
+      s.hi = std::clamp(s.hi, s.lo + 1, a.n());
+    }
+    for (int i = s.lo; i <= s.hi; ++i) s.node.push_back(node_image(a, i));
+    for (int i = 0; i < s.hi - s.lo; ++i) s.centre.push_back(0.5 * (s.node[i] + s.node[i + 1]));
+    if (!a.periodic() && s.hi == a.n()) s.node.back() = a.hi();
+    s.domain_lo = a.lo(), s.domain_hi = a.hi();
+    const double slack = 1e-6 * a.length() / a.n();
+    s.x_lo = region.lo[d] - region.reach - slack, s.x_hi = region.hi[d] + region.reach + slack;
+    s.periodic = a.periodic(), s.uniform = a.uniform();
+    s.inverse_width = (s.hi - s.lo) / (s.node.back() - s.node.front());
+    box_.lo[d] = s.lo, box_.hi[d] = s.hi;
+    double narrowest = a.width(0);
+    for (int i = 1; i < a.n(); ++i) narrowest = std::min(narrowest, a.width(i));
+    if (width / narrowest + 2 > Stencil::kMax)
+      throw std::invalid_argument("a width of " + std::to_string(width) + " m spans " +
+                                  std::to_string(int(width / narrowest)) + " cells in direction " + "xyz"[d] +
+                                  ", at most " + std::to_string(Stencil::kMax - 2) +
+                                  " are served: reduce the width of deposit or read, or the number of cells");
+  }
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  const int mine[6] = {box_.lo[0], box_.lo[1], box_.lo[2], box_.hi[0], box_.hi[1], box_.hi[2]};
+  std::vector<int> all(6 * ranks);
+  MPI_Allgather(mine, 6, MPI_INT, all.data(), 6, MPI_INT, comm);
+  std::vector<Box> wanted(ranks);
+  for (int r = 0; r < ranks; ++r)
+    for (int d = 0; d < 3; ++d) wanted[r].lo[d] = all[6 * r + d], wanted[r].hi[d] = all[6 * r + 3 + d];
+  exchange_ = BlockExchange(comm, nodes.all_cells(), wanted, grid.n(), grid.periodic());
+}
+
+void Window::weights(const double x[3], Stencil& s) const {
+  for (int d = 0; d < 3; ++d) {
+    const Span& a = span_[d];
+    switch (spread_) {
+      case Spread::kCell:
+        s.lo[d] = a.find(x[d]), s.n[d] = 1, s.w[d][0] = 1;
+        break;
+      case Spread::kLinear:
+        linear_weights(a, x[d], s.lo[d], s.n[d], s.w[d]);
+        break;
+      case Spread::kKernel:
+        kernel_weights(a, x[d], width_, s.lo[d], s.n[d], s.w[d]);
+        break;
+      case Spread::kCube:
+        cube_weights(a, x[d], width_, s.lo[d], s.n[d], s.w[d]);
+        break;
+    }
+  }
+}
+
+}  // namespace twogrid

@@ -1,0 +1,89 @@
+// The nodes that the particles of one rank can touch. A rank's particles lie in its brick of the particle
+// decomposition, and up to `reach` outside it; its nodes, cut for the fluid, may be others. The window is a box of
+// nodes that covers the brick, the reach and the width of the weights. Values come from the owners (bring) and sums go
+// to them (add).
+//
+// Indices are not wrapped: in a periodic direction node i and node i + n are images of one node. At a side that is not
+// periodic the window ends with the grid, and the outermost node takes what lies beyond it.
+#pragma once
+
+#include <mpi.h>
+
+#include <memory>
+#include <vector>
+
+#include "../cfd/block_exchange.h"
+#include "particle_grid.h"
+#include "stencil.h"
+
+namespace twogrid {
+
+/// How a particle spreads over nodes.
+enum class Spread {
+  kCell,    ///< all to the node that holds the centre: lo <= x < hi
+  kLinear,  ///< linear between node centres, tensor product; at a wall the missing outer node's weight stays inside
+  kKernel,  ///< quadratic B-spline of full width w, integrated over each node; at a wall scaled up to its inner part
+  kCube     ///< uniform over a cube of edge w; at a wall the cube is shifted inside
+};
+
+/// Where a rank's particles may be.
+struct ParticleRegion {
+  Vec3 lo{0, 0, 0}, hi{0, 0, 0};  ///< brick of the particle decomposition (m)
+  double reach = 0;               ///< how far outside it a particle may lie (m)
+};
+
+class Window {
+ public:
+  /// One direction: coordinates of the nodes of the window.
+  struct Span {
+    int lo = 0, hi = 0;          ///< nodes [lo, hi)
+    std::vector<double> node;    ///< low sides, and the high side of the last: hi - lo + 1
+    std::vector<double> centre;  ///< hi - lo
+    double domain_lo = 0, domain_hi = 0;
+    double x_lo = 0, x_hi = 0;  ///< where this rank's particles may be
+    bool periodic = false, uniform = false;
+    double inverse_width = 0;  ///< mean nodes per metre
+
+    /// Index of the node that holds x, lo <= x < hi; the outermost node of the window where x lies beyond.
+    int find(double x) const;
+    double low(int i) const { return node[i - lo]; }
+    double high(int i) const { return node[i + 1 - lo]; }
+  };
+
+  Window() = default;
+  /// width: of the kernel or cube, or diameter of the largest sphere to be intersected (m). Collective.
+  /// Throws std::invalid_argument when more than Stencil::kMax nodes would be spanned.
+  Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region, Spread spread,
+         double width);
+
+  const Box& box() const { return box_; }
+  const Span& span(int d) const { return span_[d]; }
+  Spread spread() const { return spread_; }
+  double width() const { return width_; }
+  /// Whether the rank may hold a particle at x (else its weights would be cut off).
+  bool covers(const double x[3]) const {
+    return x[0] >= span_[0].x_lo && x[0] <= span_[0].x_hi && x[1] >= span_[1].x_lo && x[1] <= span_[1].x_hi &&
+           x[2] >= span_[2].x_lo && x[2] <= span_[2].x_hi;
+  }
+  /// Weights of a particle centred at x.
+  void weights(const double x[3], Stencil& s) const;
+
+  /// Window <- owners. Collective.
+  template <class T>
+  void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Array3<T>*>& window) const {
+    exchange_.bring<T>(owner, window);
+  }
+  /// Owners += windows. Collective.
+  void add(const std::vector<const Array3<long long>*>& window, const std::vector<Array3<long long>*>& owner) const {
+    exchange_.add<long long>(window, owner);
+  }
+
+ private:
+  Box box_;
+  std::array<Span, 3> span_;
+  Spread spread_ = Spread::kCell;
+  double width_ = 0;
+  BlockExchange exchange_;
+};
+
+}  // namespace twogrid
