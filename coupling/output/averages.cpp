@@ -44,12 +44,11 @@ double variance(double mean_of_square, double mean) {
 
 }  // namespace
 
-Averages::Averages(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const Grid& coarse, const Int3& ratio)
+Averages::Averages(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const ParticleGrid& coarse)
     : comm_(comm),
       fine_(fine),
       coarse_(coarse),
-      coarse_layout_(layout.coarsened(coarse, ratio)),
-      ratio_(ratio),
+      coarse_layout_(node_layout(layout, coarse)),
       fine_own_(layout.cells(rank_of(comm))),
       coarse_own_(coarse_layout_.cells(rank_of(comm))) {
   fine_sum_.assign(fine_own_.count(), {});
@@ -105,16 +104,20 @@ void Averages::add_gas(double weight, const Fluid& fluid) {
   std::size_t c = 0;
   for_each(coarse_own_, [&](int I, int J, int K) {
     double block[kGasFlux + 3] = {0, 0, 0, 0, 0, 0, 0, 0}, volume = 0;
-    for (int k = K * ratio_[2]; k < (K + 1) * ratio_[2]; ++k)
-      for (int j = J * ratio_[1]; j < (J + 1) * ratio_[1]; ++j) {
-        const int i0 = I * ratio_[0];
+    const Box cells = coarse_.block(I, J, K);
+    const int i0 = cells.lo[0], across = cells.size(0);
+    for (int k = cells.lo[2]; k < cells.hi[2]; ++k)
+      for (int j = cells.lo[1]; j < cells.hi[1]; ++j) {
         const double area = fine_.axis[1].width(j) * fine_.axis[2].width(k);
         auto* sum = &fine_sum_[(i0 - own.lo[0]) + row * (j - own.lo[1]) + slab * (k - own.lo[2])];
-        for (int i = i0; i < i0 + ratio_[0]; ++i, ++sum) {
-          const double v = area * fine_.axis[0].width(i), e = eps(i, j, k), q = p(i, j, k);
-          const double centre[3] = {0.5 * (u[0](i, j, k) + u[0](i + 1, j, k)),
-                                    0.5 * (u[1](i, j, k) + u[1](i, j + 1, k)),
-                                    0.5 * (u[2](i, j, k) + u[2](i, j, k + 1))};
+        const double* eps_row = eps.data() + eps.index(i0, j, k);
+        const double* p_row = p.data() + p.index(i0, j, k);
+        const double *low[3], *high[3];
+        for (int d = 0; d < 3; ++d) low[d] = u[d].data() + u[d].index(i0, j, k), high[d] = low[d] + u[d].stride(d);
+        for (int i = 0; i < across; ++i, ++sum) {
+          const double v = area * fine_.axis[0].width(i0 + i), e = eps_row[i], q = p_row[i];
+          const double centre[3] = {0.5 * (low[0][i] + high[0][i]), 0.5 * (low[1][i] + high[1][i]),
+                                    0.5 * (low[2][i] + high[2][i])};
           auto& s = *sum;
           s[kFineEps] += weight * e;
           s[kFineP] += weight * q;

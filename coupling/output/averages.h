@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "../../cfd/fluid.h"
+#include "../particle_grid.h"
 #include "../particles.h"
 
 namespace twogrid {
@@ -27,8 +28,8 @@ class Averages {
  public:
   static constexpr int kBatches = 16;
 
-  /// coarse: the particle grid, whose cells are blocks of ratio fine cells. Local.
-  Averages(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const Grid& coarse, const Int3& ratio);
+  /// fine must live as long; coarse is copied. Local.
+  Averages(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const ParticleGrid& coarse);
 
   /// Adds the present fields with this weight (s). No message; no allocation unless a particle is farther from the
   /// rank's cells than any before. Particles whose centre lies outside the fluid's domain don't count.
@@ -53,9 +54,8 @@ class Averages {
 
   MPI_Comm comm_;
   const FineGrid& fine_;
-  Grid coarse_;
+  ParticleGrid coarse_;
   Layout coarse_layout_;
-  Int3 ratio_;
   Box fine_own_, coarse_own_;
 
   double weight_ = 0;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "../../cfd/fluid.h"
+#include "../particle_grid.h"
 #include "averages.h"
 #include "hdf5_file.h"
 #include "xdmf.h"
@@ -64,16 +65,6 @@ Slab part_of(const Int3& all, const Box& own, const Box& array) {
   return s;
 }
 
-Grid blocks_of(const Grid& fine, const Int3& ratio) {
-  Grid coarse;
-  for (int d = 0; d < 3; ++d) {
-    std::vector<double> nodes;
-    for (int i = 0; i <= fine.axis[d].n(); i += ratio[d]) nodes.push_back(fine.axis[d].node(i));
-    coarse.axis[d] = Axis(nodes, fine.axis[d].periodic());
-  }
-  return coarse;
-}
-
 }  // namespace
 
 void check(const OutputSettings& s) {
@@ -106,6 +97,7 @@ class Output::Impl {
   void write_faces(Hdf5File& file, const std::string& at) const;
   void write_particles(Hdf5File& file, const std::string& at, const Particles& particles);
   void write_means(Hdf5File& file);
+  void show_means();
   /// Runs f on rank 0; throws what it throws on all ranks.
   template <class F>
   void on_rank_0(F&& f) const;
@@ -119,11 +111,12 @@ class Output::Impl {
   int rank_ = 0;
   const Fluid& fluid_;
   OutputSettings settings_;
-  Grid coarse_;
+  ParticleGrid coarse_;
   Int3 n_;
   Box own_;
   int frames_ = 0;
   double means_written_ = 0;  // weight of the means in the file
+  bool means_shown_ = false;  // their XDMF file is there
 
   std::unique_ptr<Averages> averages_;  // only if wanted
   std::unique_ptr<XdmfSeries> series_;  // rank 0 only
@@ -142,9 +135,8 @@ Output::Impl::Impl(MPI_Comm comm, const Settings& settings, const Fluid& fluid, 
   if (wants("faces") && !wants("eps")) settings_.fields.push_back("eps");
   MPI_Comm_rank(comm, &rank_);
   own_ = fluid.layout().cells(rank_);
-  coarse_ = blocks_of(fluid.grid(), settings.ratio);
-  if (settings_.average_from >= 0)
-    averages_ = std::make_unique<Averages>(comm, fluid.grid(), fluid.layout(), coarse_, settings.ratio);
+  coarse_ = ParticleGrid(fluid.grid(), settings.ratio);
+  if (settings_.average_from >= 0) averages_ = std::make_unique<Averages>(comm, fluid.grid(), fluid.layout(), coarse_);
 
   const double nodes = n_[0] + n_[1] + n_[2] + 3.0;
   Hdf5File file(comm, settings_.file, Hdf5File::Mode::kCreate,
@@ -275,6 +267,7 @@ void Output::Impl::frame(double t, long step, const Particles& particles) {
     }
     series_->add(t, grids);
   });
+  if (has_means) show_means();
 }
 
 void Output::Impl::write_fluid(Hdf5File& file, const std::string& at) {
@@ -366,6 +359,13 @@ void Output::Impl::finish() {
   Hdf5File file(comm_, settings_.file, Hdf5File::Mode::kAppend, room_for_means());
   write_means(file);
   file.close();
+  show_means();
+}
+
+// The same datasets from the first time on: the file need not change.
+void Output::Impl::show_means() {
+  if (means_shown_) return;
+  means_shown_ = true;
   on_rank_0([&] {
     auto fields = [](const std::string& at, std::initializer_list<XdmfField> list) {
       std::vector<XdmfField> all(list);

@@ -423,8 +423,9 @@ TEST_F(OutputTest, MeansAndBatchesEqualDirectSums) {
     // Particle grid. Batches: 37 samples are 9 batches of 4 and one of 1.
     const auto weight = file.values(coarse + "batch/weight"), u = file.values(coarse + "gas_velocity"),
                bu = file.values(coarse + "batch/gas_velocity"), bs = file.values(coarse + "batch/solids_flux"),
-               fraction = file.values(coarse + "solids_fraction"), sv = file.values(coarse + "solids_velocity"),
-               svv = file.values(coarse + "solids_velocity_variance"), ev = file.values(coarse + "eps_variance");
+               bf = file.values(coarse + "batch/solids_fraction"), fraction = file.values(coarse + "solids_fraction"),
+               sv = file.values(coarse + "solids_velocity"), svv = file.values(coarse + "solids_velocity_variance"),
+               ev = file.values(coarse + "eps_variance");
     ASSERT_EQ(weight.size(), 16u);
     for (int b = 0; b < 16; ++b) EXPECT_NEAR(weight[b], b < 9 ? 0.04 : b == 9 ? 0.01 : 0, 1e-15);
     const FineGrid& g = fluid_.grid();
@@ -481,10 +482,12 @@ TEST_F(OutputTest, MeansAndBatchesEqualDirectSums) {
         const std::size_t at = 3 * (b * nx * ny * nz + c) + 2;
         EXPECT_NEAR(bu[at], sum / (last - first), 1e-11);
         EXPECT_NEAR(bs[at], through / (last - first), 1e-12 * std::abs(bs[at]));
+        const double filled = solid / samples / volume;  // the particles stay where they are
+        EXPECT_NEAR(bf[b * nx * ny * nz + c], filled, 1e-12 * filled);
       }
       ++c;
     });
-    check_xdmf(directory_ + "/bed_average.xdmf", file);
+    EXPECT_EQ(check_xdmf(directory_ + "/bed_average.xdmf", file), 3 + 7 + 3 + 11);
   }
   MPI_Barrier(MPI_COMM_WORLD);
 }
