@@ -4,6 +4,7 @@
 #include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace twogrid {
 
@@ -121,6 +122,96 @@ struct Multigrid<T>::Level {
         for (std::ptrdiff_t m = m0 + own.lo[0]; m < m0 + own.hi[0]; ++m) {
           const T sum = gx[m] + gx[m + 1] + gy[m] + gy[m + sy] + gz[m] + gz[m + sz];
           di[m] = sum > 0 ? T(1) / sum : T(0);
+        }
+      }
+  }
+
+  /// What stands for the conductance inside a pair, next to an outer face. The smallest number keeps 0/0 away.
+  static T inner(T g, T face) { return std::max(g, T(kLeastInner) * face + std::numeric_limits<T>::min()); }
+
+  /// coarse.g[d] += conductance between coarse centres along each fine line, which is also kept in w[d] at the face
+  /// between the pairs.
+  void sum_conductances(int d, Level& coarse) {
+    const T* g_d = g[d].data();
+    T *w_d = w[d].data(), *sum = coarse.g[d].data();
+    const std::ptrdiff_t s = x.stride(d), high = coarse.x.stride(d);
+    auto side_of = [&](int a) { return a < own.size(d) ? side[d][a] : 0; };
+    // The line's resistance over the face's: the face, and half of the inner face of the pair on either side.
+    auto line = [&](std::ptrdiff_t m, bool below, bool above) {
+      const T face = g_d[m];
+      T resistance = 1;
+      if (below) resistance += T(0.5) * face / inner(g_d[m - s], face);
+      if (above) resistance += T(0.5) * face / inner(g_d[m + s], face);
+      w_d[m] = face / resistance;
+    };
+    Box faces = own;
+    if (!periodic[d] && own.hi[d] == n[d]) ++faces.hi[d];
+    const int n0 = faces.size(0);
+    for (int k = faces.lo[2]; k < faces.hi[2]; ++k)
+      for (int j = faces.lo[1]; j < faces.hi[1]; ++j) {
+        const std::ptrdiff_t m = x.index(own.lo[0], j, k);
+        const int b = std::min(j, own.hi[1] - 1) - own.lo[1], c = std::min(k, own.hi[2] - 1) - own.lo[2];
+        T* row = sum + coarse.x.index(0, parent[1][b], parent[2][c]);
+        if (d == 0) {
+          for (int i = 0; i < n0; ++i) {
+            if (side_of(i) == 1) continue;  // inside a pair
+            line(m + i, i > 0 ? side[0][i - 1] == 1 : pair_below[0], side_of(i) == -1);
+            row[i < own.size(0) ? parent[0][i] : parent[0][i - 1] + 1] += w_d[m + i];
+          }
+          continue;
+        }
+        const int a = d == 1 ? j - own.lo[1] : k - own.lo[2];
+        if (side_of(a) == 1) continue;
+        const bool below = a > 0 ? side[d][a - 1] == 1 : pair_below[d], above = side_of(a) == -1;
+        if (below && above)
+          for (int i = 0; i < n0; ++i) line(m + i, true, true);
+        else
+          for (int i = 0; i < n0; ++i) line(m + i, below, above);
+        if (a == own.size(d)) row += high;
+        for (int i = 0; i < n0; ++i) row[parent[0][i]] += w_d[m + i];
+      }
+  }
+
+  /// w[d], from the conductances that sum_conductances left there: the share of the way's resistance that lies inside
+  /// the own pair. In place: the conductance of the face above is read before that place is overwritten.
+  void weigh(int d) {
+    const T* g_d = g[d].data();
+    T* w_d = w[d].data();
+    const std::ptrdiff_t s = x.stride(d);
+    const int n0 = own.size(0);
+    auto share = [&](std::ptrdiff_t m, std::ptrdiff_t outer, std::ptrdiff_t in) {
+      w_d[m] = T(0.5) * w_d[outer] / inner(g_d[in], g_d[outer]);
+    };
+    for (int k = own.lo[2]; k < own.hi[2]; ++k)
+      for (int j = own.lo[1]; j < own.hi[1]; ++j) {
+        const std::ptrdiff_t m = x.index(own.lo[0], j, k);
+        if (d == 0) {
+          for (int i = 0; i < n0; ++i) {
+            if (side[0][i] == 0)
+              w_d[m + i] = 0;
+            else
+              share(m + i, side[0][i] == 1 ? m + i + 1 : m + i, side[0][i] == 1 ? m + i : m + i + 1);
+          }
+          continue;
+        }
+        const int where = d == 1 ? side[1][j - own.lo[1]] : side[2][k - own.lo[2]];
+        if (where == 0)
+          std::fill_n(w_d + m, n0, T(0));
+        else if (where == -1)
+          for (int i = 0; i < n0; ++i) share(m + i, m + i, m + i + s);
+        else
+          for (int i = 0; i < n0; ++i) share(m + i, m + i + s, m + i);
+      }
+  }
+
+  void limit_weights() {
+    T *wx = w[0].data(), *wy = w[1].data(), *wz = w[2].data();
+    for (int k = own.lo[2]; k < own.hi[2]; ++k)
+      for (int j = own.lo[1]; j < own.hi[1]; ++j) {
+        const std::ptrdiff_t begin = x.index(own.lo[0], j, k);
+        for (std::ptrdiff_t m = begin; m < begin + own.size(0); ++m) {
+          const T factor = T(kMostOuter) / std::max(T(kMostOuter), wx[m] + wy[m] + wz[m]);
+          wx[m] *= factor, wy[m] *= factor, wz[m] *= factor;
         }
       }
   }
@@ -336,67 +427,15 @@ void Multigrid<T>::set_operator(const std::array<Array3<double>, 3>& g, bool sin
 
 template <class T>
 void Multigrid<T>::coefficients(Level& fine, Level& coarse) {
-  const Box& own = fine.own;
-  // Conductance between coarse centres along each fine line, kept in w at the face between, and summed over the lines.
-  for (int d = 0; d < 3; ++d) {
-    coarse.g[d].fill(0);
-    if (own.empty()) continue;
-    const T* g = fine.g[d].data();
-    T* w = fine.w[d].data();
-    T* sum = coarse.g[d].data();
-    const std::ptrdiff_t s = fine.x.stride(d), cs = coarse.x.stride(d);
-    const int faces = own.size(d) + (!fine.periodic[d] && own.hi[d] == fine.n[d] ? 1 : 0);
-    auto side = [&](int a) { return a < own.size(d) ? fine.side[d][a] : 0; };
-    auto line = [&](std::ptrdiff_t m, std::ptrdiff_t c, bool pair_below, bool pair_above) {
-      const T face = g[m], least = T(kLeastInner) * face;
-      w[m] = 0;
-      if (face <= 0) return;
-      T resistance = T(1) / face;
-      if (pair_below) resistance += T(0.5) / std::max(g[m - s], least);
-      if (pair_above) resistance += T(0.5) / std::max(g[m + s], least);
-      w[m] = T(1) / resistance;
-      sum[c] += w[m];
-    };
-    Box box = own;
-    box.hi[d] += faces - own.size(d);
-    for_each(box, [&](int i, int j, int k) {
-      const Int3 c{i, j, k};
-      const int a = c[d] - own.lo[d];
-      if (side(a) == 1) return;  // a face inside a pair
-      Int3 p;
-      for (int e = 0; e < 3; ++e) p[e] = fine.parent[e][std::min(c[e], own.hi[e] - 1) - own.lo[e]];
-      const bool below = a > 0 ? side(a - 1) == 1 : fine.pair_below[d];
-      const std::ptrdiff_t high = a == own.size(d) ? cs : 0;
-      line(fine.x.index(i, j, k), coarse.x.index(p[0], p[1], p[2]) + high, below, side(a) == -1);
-    });
-  }
+  for (int d = 0; d < 3; ++d) coarse.g[d].fill(0);
+  if (!fine.own.empty())
+    for (int d = 0; d < 3; ++d) fine.sum_conductances(d, coarse);
   fine.halo.bring({&fine.w[0], &fine.w[1], &fine.w[2]});
   coarse.halo.bring({&coarse.g[0], &coarse.g[1], &coarse.g[2]});
   coarse.finish_operator();
-  if (own.empty()) return;
-
-  // Weights: the share of the way's resistance that lies inside the own pair. w still holds conductances where it is
-  // read, as memory is walked upwards.
-  for (int d = 0; d < 3; ++d) {
-    const T* g = fine.g[d].data();
-    T* w = fine.w[d].data();
-    const std::ptrdiff_t s = fine.x.stride(d);
-    for_each(own, [&](int i, int j, int k) {
-      const int side = fine.side[d][Int3{i, j, k}[d] - own.lo[d]];
-      const std::ptrdiff_t m = fine.x.index(i, j, k);
-      const std::ptrdiff_t across = side == 1 ? m + s : m, inner = side == -1 ? m + s : m;
-      const T face = g[across], least = T(kLeastInner) * face;
-      w[m] = side != 0 && face > 0 ? T(0.5) * w[across] / std::max(g[inner], least) : T(0);
-    });
-  }
-  T *wx = fine.w[0].data(), *wy = fine.w[1].data(), *wz = fine.w[2].data();
-  for_each(own, [&](int i, int j, int k) {
-    const std::ptrdiff_t m = fine.x.index(i, j, k);
-    const T sum = wx[m] + wy[m] + wz[m];
-    if (sum <= T(kMostOuter)) return;
-    const T factor = T(kMostOuter) / sum;
-    wx[m] *= factor, wy[m] *= factor, wz[m] *= factor;
-  });
+  if (fine.own.empty()) return;
+  for (int d = 0; d < 3; ++d) fine.weigh(d);
+  fine.limit_weights();
 }
 
 template <class T>

@@ -35,9 +35,9 @@ class Multigrid {
   static constexpr double kShrink = 0.8;
   /// Inside a pair, a conductance counts as at least this share of the outer face's: where the pair is cut in two
   /// (contrast, an obstacle) the coarse grid stays connected.
-  static constexpr double kLeastInner = 0.25;
+  static constexpr double kLeastInner = 0.1;
   /// The weights of the second parents of a cell, of all directions together, are at most this.
-  static constexpr double kMostOuter = 0.75;
+  static constexpr double kMostOuter = 1;
   /// A level of at most so many cells on all ranks is solved directly.
   static constexpr int kDirect = 100;
 
@@ -52,7 +52,7 @@ class Multigrid {
   /// Right-hand side, to be filled on own cells, and after cycle() the approximate solution there.
   Array3<T>& b();
   Array3<T>& x();
-  /// x = B b. Collective.
+  /// x = B b. Cells without any open face have no equation: b is zero there, and x stays so. Collective.
   void cycle();
 
   int levels() const;
