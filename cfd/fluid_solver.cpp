@@ -244,14 +244,14 @@ void FluidSolver::pressure_force(FaceField<FineGrid>& rhs, const Interphase& exc
   for (int d = 0; d < 3; ++d) {
     if (!boundaries_.component_solved(d)) continue;
     const std::ptrdiff_t s = p_.stride(d);
-    const double* chi = exchange.chi[d].size() ? exchange.chi[d].data() : nullptr;
+    const FaceComponent<FineGrid>* chi = exchange.chi[d].size() ? &exchange.chi[d] : nullptr;
     const double* p = p_.data();
     double* o = rhs[d].data();
     for_each(faces_[d], [&](int i, int j, int k) {
       const std::ptrdiff_t m = p_.index(i, j, k);
       const Int3 x{i, j, k};
       const double gradient = (p[m] - p[m - s]) / momentum_.axis(d).face_width(x[d]) + imposed_[d];
-      o[m] -= (chi ? 1 - chi[m] : 1.0) * gradient * momentum_.volume(d, i, j, k);
+      o[m] -= (chi ? 1 - (*chi)(i, j, k) : 1.0) * gradient * momentum_.volume(d, i, j, k);
     });
   }
 }
@@ -272,8 +272,9 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
     if (!boundaries_.component_solved(d)) continue;
     const double *now = u_[d].data(), *old = u_old_[d].data(), *e0 = eps_f_[0][d].data(), *e1 = eps_f_[1][d].data(),
                  *e2 = eps_f_[2][d].data(), *tilde = u_tilde_[d].data();
-    const double* source = exchange.source[d].size() ? exchange.source[d].data() : nullptr;
-    const double* beta = exchange.beta[d].size() ? exchange.beta[d].data() : nullptr;
+    // Fields of the exchange cover own faces: their boxes are not those of the solver's own fields.
+    const FaceComponent<FineGrid>* source = exchange.source[d].size() ? &exchange.source[d] : nullptr;
+    const FaceComponent<FineGrid>* beta = exchange.beta[d].size() ? &exchange.beta[d] : nullptr;
     const double* q = has_q ? exchange.mass_source.data() : nullptr;
     const std::ptrdiff_t s = p_.stride(d);
     double *o = rhs_[d].data(), *A = inertia_[d].data(), *next = u_next_[d].data();
@@ -282,9 +283,9 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
       const std::ptrdiff_t m = p_.index(i, j, k);
       const double V = momentum_.volume(d, i, j, k);
       double force = -c1 * e1[m] * now[m] - (step.r > 0 ? c2 * e2[m] * old[m] : 0.0);
-      if (source) force += source[m];
+      if (source) force += (*source)(i, j, k);
       if (q) force += rho * 0.5 * (q[m] + q[m - s]) * tilde[m];
-      A[m] = c0 * e0[m] + (beta ? beta[m] : 0.0) + friction * e0[m];
+      A[m] = c0 * e0[m] + (beta ? (*beta)(i, j, k) : 0.0) + friction * e0[m];
       o[m] += force * V;
       next[m] = o[m] / (A[m] * V);
     });
@@ -305,7 +306,7 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
 
   // Conductance of faces: eps s/A times area over the distance of the centres (half of it at an outlet).
   for (int d = 0; d < 3; ++d) {
-    const double* chi = exchange.chi[d].size() ? exchange.chi[d].data() : nullptr;
+    const FaceComponent<FineGrid>* chi = exchange.chi[d].size() ? &exchange.chi[d] : nullptr;
     const double *e = eps_f_[0][d].data(), *A = inertia_[d].data();
     double* g = conductance_[d].data();
     const auto& state = boundaries_.state(d);
@@ -321,7 +322,7 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
       }
       const double w = momentum_.axis(d).face_width(x[d]);
       const bool edge = !periodic && (x[d] == 0 || x[d] == n);
-      g[m] = e[m] * (chi ? 1 - chi[m] : 1.0) / A[m] * grid_.area(d, i, j, k) / (edge ? 0.5 * w : w);
+      g[m] = e[m] * (chi ? 1 - (*chi)(i, j, k) : 1.0) / A[m] * grid_.area(d, i, j, k) / (edge ? 0.5 * w : w);
     });
   }
   // What is missing in continuity: sum of eps u* A + (d(eps)/dt - q) V.
