@@ -211,7 +211,8 @@ void FixTwogrid::init() {
   guarded([&] {
     refuse_what_cannot_be_served();
     if (!(update->dt > 0)) refuse("timestep", text(update->dt), "a DEM step above 0 (s)");
-    if (!fluid_) return build();
+    if (!fluid_) build();
+    coupling_->set_gravity(scene_facts(*lmp, groupbit).gravity);
     resolve_names();
     for (int side = 0; side < 6; ++side)
       for (std::size_t c = 0; c < script_.settings.fluid.side[side].size(); ++c) {
@@ -309,6 +310,7 @@ void FixTwogrid::setup(int) {
     coupling_->force(p, update->dt, false);
 
     if (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_) write_frame(p);
+    particles_before_ = -1;  // commands between runs may have deleted some
     progress_.begin(MPI_Wtime(), update->laststep - update->firststep);
     wall_begin_ = MPI_Wtime();
     cpu_begin_ = cpu_seconds();
@@ -342,17 +344,14 @@ void FixTwogrid::watch_particles(long long own_signal) {
   MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_LONG_LONG, MPI_SUM, world);
   if (sum[1] > 0) SignalHandler::request_quit = true;  // ends the run on all ranks after this step
 
-  // LIGGGHTS knows of insertions and deletions (natoms) but not of particles that left by a side: it forgets those in
-  // silence, until thermo output sets natoms to what is left.
-  const long long missing = (long long)atom->natoms - sum[0];
-  const long long lost = std::max(missing - missing_before_, particles_before_ - sum[0]);
-  if (particles_before_ >= 0 && lost > 0 && missing > 0) lost_ += lost;
-  missing_before_ = std::max(0LL, missing);
+  // LIGGGHTS forgets particles that leave by a side in silence.
+  if (particles_before_ > sum[0]) lost_ += particles_before_ - sum[0];
   particles_before_ = sum[0];
   if (lost_ > 2 * lost_said_) {
-    warn(std::to_string(lost_) + " particle(s) have left the box by a side that is not periodic, up to step " +
-         std::to_string(update->ntimestep) +
-         "; LIGGGHTS deletes them in silence: put a wall on that side, or lower timestep if they broke through one");
+    warn(std::to_string(lost_) + " particle(s) have vanished up to step " + std::to_string(update->ntimestep) +
+         ": unless the script deletes them, they left the box by a side that is not periodic; put a wall there, or "
+         "lower "
+         "timestep if they broke through one");
     lost_said_ = lost_;
   }
 }

@@ -89,7 +89,8 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   double last_interval_ = 0;  // s, of the last coupling
   long long next_frame_ = 0;  // step from which on a frame is due
 
-  long long particles_before_ = -1, missing_before_ = 0, lost_ = 0, lost_said_ = 0;
+  long long particles_before_ = -1;     // at the last coupling of this run; -1: none yet
+  long long lost_ = 0, lost_said_ = 0;  // particles that vanished; of these, said in a warning
 
   Progress progress_;
   double wall_begin_ = 0, cpu_begin_ = 0;
