@@ -83,6 +83,7 @@ class Coupling::Impl {
   Report report_;
   Shares shares_;
   Fluid& fluid_;
+  Vec3 gravity_{0, 0, 0};
 
  private:
   void find_particles(const Particles& p);
@@ -183,7 +184,7 @@ void Coupling::Impl::start(Particles& p, double dem_dt) {
 
 // One interval D = steps dem_dt, t^{n-1} -> t^n; particles at x(t^n). Momentum of particle p in the interval: impulse
 // I_p (received by the semi-implicit forces of the DEM steps) and kick K_p.
-//   wrap_up   d_p = path/D;  u_ref = what the drag sees now;  b'_p = b_p/(1 + b_p D/m_p)
+//   wrap_up   d_p = path/D;  u_ref = what the drag sees now;  b'_p = (m_p/D) (1 - exp(-b_p D/m_p))
 //   deposit   V_p -> eps^n on the nodes, bounded -> on the fine cells
 //   react     V_f source_f = sum_p w_pf (b'_p u_ref - I_p/D),   V_f beta_f = sum_p w_pf b'_p
 //   advance   the fluid
@@ -259,7 +260,7 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
     const bool is_new = s[kVoidFraction] == 0;
     Vec3 c{0, 0, 0}, pressure;
     if (holding_ && s[kDragCoefficient] > 0) motion().change_at(p.x[i], c, pressure);
-    const double b = s[kResponse] / (1 + s[kResponse] * interval / p.mass[i]);
+    const double b = -p.mass[i] / interval * std::expm1(-s[kResponse] * interval / p.mass[i]);
     response_[q] = b;
     mine.response = std::max(mine.response, b);
     for (int d = 0; d < 3; ++d) {
@@ -279,6 +280,16 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
     for (int d = 0; d < 3; ++d) mine.reaction = std::max(mine.reaction, std::abs(p.state[i][kImpulse + d]) / interval);
   }
   reduce(p, mine);
+  const auto& given = settings_.fluid.flow_rate_set;
+  if (given[0] || given[1] || given[2]) {  // the flow rate is that of fluid and particles together
+    Vec3 sum{0, 0, 0};
+    for (std::size_t q = 0; q < inside_.size(); ++q)
+      for (int d = 0; d < 3; ++d) sum[d] += sphere_volume(p.radius[inside_[q]]) * flux_velocity_[q][d];
+    MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, comm_);
+    const auto& axis = fluid_.grid().axis;
+    for (int d = 0; d < 3; ++d)
+      exchange_.particle_flux[d] = sum[d] / (axis[0].length() * axis[1].length() * axis[2].length());
+  }
 }
 
 void Coupling::Impl::reduce(const Particles& p, Extremes& mine) {
@@ -511,9 +522,13 @@ void Coupling::Impl::choose_hold(double drag_number) {
 }
 
 MeanMotion& Coupling::Impl::motion() {
-  if (!motion_)
-    motion_ = std::make_unique<MeanMotion>(comm_, nodes_, node_layout(fluid_.layout(), nodes_), region_,
-                                           settings_.read == Read::kTrilinear ? Spread::kLinear : Spread::kCell);
+  if (!motion_) {
+    std::array<bool, 3> free_flux = nodes_.periodic();
+    for (int d = 0; d < 3; ++d) free_flux[d] = free_flux[d] && !settings_.fluid.flow_rate_set[d];
+    motion_ =
+        std::make_unique<MeanMotion>(comm_, nodes_, node_layout(fluid_.layout(), nodes_), region_,
+                                     settings_.read == Read::kTrilinear ? Spread::kLinear : Spread::kCell, free_flux);
+  }
   return *motion_;
 }
 
@@ -528,7 +543,7 @@ void Coupling::Impl::close_ledger(double interval) {
   known_volume_ = balance.solid_volume;
 }
 
-// F = b (u_seen - v) + F_p,  f <- (f + F)/(1 + theta c D/m), D = dem_dt
+// F = b (u_seen - v) + F_p,  f <- (f - V_p rho_f g + F)/(1 + theta c D/m), D = dem_dt
 //   not holding   u_seen = u_read, c = b
 //   holding       u_seen = u_read - C(t), c = b_tot (1 + eps_s/eps); formulation A: F_p grows by V_p P(t)
 void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
@@ -538,11 +553,13 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
   if (holding_) motion().update(p);
   const bool A = formulation_A();
   const double theta_dt = settings_.theta * dem_dt;
+  const double lift = -fluid_.density();
   Vec3 c{0, 0, 0}, pressure{0, 0, 0};
   for (int i = 0; i < p.n; ++i) {
     if (!p.takes_part(i)) continue;
     double* s = p.state[i];
     const double b = s[kDragCoefficient];
+    const double buoyancy = b > 0 ? lift * sphere_volume(p.radius[i]) : 0.0;
     double volume = 0, response = b;
     if (holding_ && b > 0) {
       motion().change_at(p.x[i], c, pressure);
@@ -552,7 +569,7 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
     const double factor = 1 / (1 + theta_dt * response / p.mass[i]);
     for (int d = 0; d < 3; ++d) {
       const double seen = s[kFluidVelocity + d] - c[d];
-      const double other = p.f[i][d];
+      const double other = p.f[i][d] + buoyancy * gravity_[d];
       const double total = (other + b * (seen - p.v[i][d]) + s[kPressureForce + d] + volume * pressure[d]) * factor;
       const double received = total - other;
       // In set-up the force is applied for half a step, in place of the half step that the last one would have had.
@@ -582,6 +599,10 @@ void Coupling::advance(Particles& p, int steps, double dem_dt) {
 void Coupling::force(Particles& p, double dem_dt, bool accumulate) {
   impl_->force(p, dem_dt, accumulate);
 }
+void Coupling::set_gravity(const Vec3& g) {
+  impl_->gravity_ = g;
+}
+
 const Report& Coupling::report() const {
   return impl_->report_;
 }

@@ -3,7 +3,8 @@
 // At a DEM step that is a multiple of `every` (t^n), with the particles at x(t^n):
 //   1 deposit   V_p            -> eps_s on the particle grid -> bounded -> eps on the fine grid
 //   2 react     impulses that the particles received in the interval -> source of the fluid, by the transpose of read;
-//               beta_eff = sum w_pf b'_p / V_f,  b'_p = b_p / (1 + b_p Dt/m_p)
+//               beta_eff = sum w_pf b'_p / V_f,  b'_p = (m_p/Dt) (1 - exp(-b_p Dt/m_p)): what a change of u by du over
+//               the interval would have given the particle is b'_p Dt du
 //   3 advance   the fluid over the interval, t^{n-1} -> t^n, in as many steps as it needs
 //   4 kick      what the implicit part changed, b'_p (u_read - u_seen) Dt, goes to the particles at once: the sum of
 //               momenta of fluid and particles is kept to round-off
@@ -67,6 +68,10 @@ class Coupling {
   /// Every DEM step, after all other forces: f += drag + pressure gradient force, semi-implicit; sums up impulses.
   /// Collective only while holding the flux. accumulate = false in set-up: forces only.
   void force(Particles& p, double dem_dt, bool accumulate = true);
+
+  /// g (m/s2), for the buoyancy -V_p rho_f g: p is the dynamic pressure, its hydrostatic part is not in the fluid's
+  /// equations. Not called: none.
+  void set_gravity(const Vec3& g);
 
   const Report& report() const;
   const Shares& shares() const;

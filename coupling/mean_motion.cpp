@@ -20,13 +20,18 @@ bool feels_drag(const Particles& p, int i) {
 }  // namespace
 
 MeanMotion::MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region,
-                       Spread spread)
-    : comm_(comm), grid_(grid), own_(nodes.cells(rank_of(comm))), window_(comm, grid, nodes, region, spread, 0.0) {
+                       Spread spread, const std::array<bool, 3>& free_flux)
+    : comm_(comm),
+      grid_(grid),
+      own_(nodes.cells(rank_of(comm))),
+      window_(comm, grid, nodes, region, spread, 0.0),
+      free_flux_(free_flux),
+      domain_volume_(grid.axis[0].length() * grid.axis[1].length() * grid.axis[2].length()) {
   for (auto& a : window_sum_) a.reset(window_.box());
   for (auto& a : node_sum_) a.reset(own_);
   for (auto& a : shown_) a.reset(own_);
   for (auto& a : window_shown_) a.reset(window_.box());
-  solid_ratio_.reset(own_);
+  eps_.reset(own_, 1.0);
   beta_.reset(own_);
   for (auto& a : v_flux_) a.reset(own_);
   for (auto& a : v_n_) a.reset(own_);
@@ -119,7 +124,7 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
   collect(sums);
   for_each(own_, [&](int i, int j, int k) {
     const double e = eps(i, j, k);
-    solid_ratio_(i, j, k) = (1 - e) / e;
+    eps_(i, j, k) = e;
     const double mass = mass_unit_.value(node_sum_[0](i, j, k));
     const double inverse = mass > 0 ? 1 / mass : 0.0;
     for (int d = 0; d < 3; ++d) {
@@ -153,17 +158,29 @@ void MeanMotion::update(const Particles& p) {
   momentum_unit_ = FixedPoint(largest, terms_);
   sum_motion(p, nullptr);
   collect(4);
+  // First the held part of the flux, eps_s (v - v_flux); shown_[3 + d] keeps v.
+  double flux[3] = {0, 0, 0}, mean_flux[3] = {0, 0, 0};
   for_each(own_, [&](int i, int j, int k) {
     const double mass = mass_unit_.value(node_sum_[0](i, j, k));
+    const double solid = 1 - eps_(i, j, k), volume = grid_.volume(i, j, k);
     for (int d = 0; d < 3; ++d) {
-      double c = 0, pressure = 0;
-      if (mass > 0) {
-        const double v = momentum_unit_.value(node_sum_[1 + d](i, j, k)) / mass;
-        c = solid_ratio_(i, j, k) * (v - v_flux_[d](i, j, k));
-        if (drag_) pressure = -beta_(i, j, k) * (c + v - v_n_[d](i, j, k));
-      }
+      const double v = mass > 0 ? momentum_unit_.value(node_sum_[1 + d](i, j, k)) / mass : v_n_[d](i, j, k);
+      const double held = mass > 0 ? solid * (v - v_flux_[d](i, j, k)) : 0.0;
+      shown_[d](i, j, k) = held;
+      shown_[3 + d](i, j, k) = v;
+      flux[d] += held * volume;
+    }
+  });
+  if (free_flux_[0] || free_flux_[1] || free_flux_[2]) {
+    MPI_Allreduce(flux, mean_flux, 3, MPI_DOUBLE, MPI_SUM, comm_);
+    for (int d = 0; d < 3; ++d) mean_flux[d] = free_flux_[d] ? mean_flux[d] / domain_volume_ : 0.0;
+  }
+  for_each(own_, [&](int i, int j, int k) {
+    const double inverse = 1 / eps_(i, j, k);
+    for (int d = 0; d < 3; ++d) {
+      const double c = (shown_[d](i, j, k) - mean_flux[d]) * inverse, v = shown_[3 + d](i, j, k);
       shown_[d](i, j, k) = c;
-      shown_[3 + d](i, j, k) = pressure;
+      shown_[3 + d](i, j, k) = drag_ ? -beta_(i, j, k) * (c + v - v_n_[d](i, j, k)) : 0.0;
     }
   });
   bring(0, drag_ ? 6 : 3);

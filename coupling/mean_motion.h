@@ -8,9 +8,11 @@
 //   beta   = sum w b_A / V,  D_n = sum w b_A (u - v) / V   at the last coupling (b_A: drag coefficient of formulation
 //   A)
 // the fluid velocity that a particle sees at time t is
-//   u_seen = u_read - C,     C = (eps_s/eps) (v(t) - v_flux)
+//   u_seen = u_read - C,     C = (eps_s (v(t) - v_flux) - J)/eps
 // and in formulation A the part of -grad p that balances the drag, D/eps, is
 //   D(t)/eps = D_n/eps + P,  P = -(beta/eps) (C + v(t) - v_n).
+// J: where nothing holds the net flux through the domain (periodic directions without a given flow rate), it is the
+// domain's mean of eps_s (v(t) - v_flux), so that only what continuity really ties is held; else zero.
 #pragma once
 
 #include <mpi.h>
@@ -26,8 +28,9 @@ namespace twogrid {
 
 class MeanMotion {
  public:
-  /// spread: kCell or kLinear. Collective.
-  MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region, Spread spread);
+  /// spread: kCell or kLinear. free_flux: directions in which nothing holds the net flux. Collective.
+  MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region, Spread spread,
+             const std::array<bool, 3>& free_flux);
 
   /// Largest values of this coupling, over all ranks; `terms` bounds how many particles a node's sum can hold.
   struct Largest {
@@ -63,13 +66,15 @@ class MeanMotion {
   Box own_;
   Window window_;
   Stencil stencil_;
+  std::array<bool, 3> free_flux_;
+  double domain_volume_;
   bool drag_ = false;
   FixedPoint mass_unit_, momentum_unit_;
   double terms_ = 1;
   std::array<Array3<long long>, kSums> window_sum_, node_sum_;
   std::array<CellField<ParticleGrid>, kShown> shown_;  // own nodes: what particles read
   std::array<Array3<double>, kShown> window_shown_;
-  CellField<ParticleGrid> solid_ratio_, beta_;  // eps_s/eps; beta/eps
+  CellField<ParticleGrid> eps_, beta_;                  // void fraction at the last coupling; beta/eps
   NodeVector<CellField<ParticleGrid>> v_flux_, v_n_;
 };
 
