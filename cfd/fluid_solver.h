@@ -10,9 +10,9 @@
 //                           - s (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
 //                    (implicit viscosity: tau(u*) on the left, conjugate gradients)
 //   (3) project      div( eps s/A grad phi ) = div(eps u*) + d(eps)/dt - q,   d(eps)/dt by the same BDF2 formula
-//   (4) correct      u^{n+1} = u* - s/A grad phi,   p^{n+1} = p^n + phi  (- 4/3 mu/s (div(eps u*) + d(eps)/dt - q),
-//   rotational
-//                    form of Guermond & Shen (2004), when viscosity is implicit)
+//   (4) correct      u^{n+1} = u* - s/A grad phi,   p^{n+1} = p^n + phi
+//                    (- 4/3 mu (div(eps u*) + d(eps)/dt - q) when viscosity is implicit: the rotational form of
+//                    Guermond & Shen (2004), with s taken as 1, an error of second order in dt)
 // All at t^{n+1}; eps on faces is the volume-weighted mean of the cells'; prescribed faces keep their value.
 #pragma once
 
@@ -48,6 +48,8 @@ class FluidSolver : public Fluid {
   const CellField<FineGrid>& pressure() const override { return p_; }
   const CellField<FineGrid>& void_fraction() const override { return eps_[0]; }
   double time() const override { return time_; }
+  const FaceField<FineGrid>* last_flux() const override { return &flux_; }
+  const CellField<FineGrid>* last_dilation() const override { return &dilation_; }
 
   void start(const CellField<FineGrid>& eps) override;
   FluidReport advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) override;
@@ -80,16 +82,19 @@ class FluidSolver : public Fluid {
     double dt, r, a0, a1, a2;
   };
   Step formula(double dt) const;
+  void make_continuous();
   double allowed_dt(double interval_left);
   void next_level(const VoidFractionInTime& eps, double s, double interval);
   void previous_level();
   void extrapolate(const Step& step);
+  void measure_inlet_head();
   void predict(const Step& step, const Interphase& exchange);
   void project(const Step& step, const Interphase& exchange, FluidReport& report);
   void correct();
   void hold_flow_rate(const Interphase& exchange);
   void accept(const Step& step, double interval);
   void measure(const Step& step, FluidReport& report);
+  void rotate_pressure();
   void pressure_force(FaceField<FineGrid>& rhs, const Interphase& exchange);
   double courant_rate(const FaceField<FineGrid>& u) const;
   void fill(FaceField<FineGrid>& u, bool ghosts = true) const;
@@ -120,9 +125,10 @@ class FluidSolver : public Fluid {
   std::array<FaceField<FineGrid>, 3> eps_f_;                                   // eps on faces, levels as eps_
   FaceField<FineGrid> u_tilde_, u_next_, flux_, rhs_, inertia_, conductance_;  // inertia_: A (kg/(m3 s))
   CellField<FineGrid> phi_, dilation_, imbalance_;
-  CellField<FineGrid> response_;  // potential answering a unit mean gradient (flow-rate control)
+  CellField<FineGrid> response_, response_rhs_;  // potential answering a unit mean gradient (flow-rate control)
   FaceField<FineGrid> mean_u_, mean_grad_p_;
   double velocity_scale_ = 0;  // largest |eps u| (m/s)
+  double inlet_head_ = 0;      // own inlet faces: momentum flux through the first cells' centres less that entering, N
   bool implicit_viscosity_ = false;
 };
 

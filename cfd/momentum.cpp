@@ -4,6 +4,24 @@
 
 namespace twogrid {
 
+namespace {
+
+/// Value transported through a side, from those below (v[lower]) and above it (v[lower + s]) and one more each way.
+/// up, down: distances from the side to the values below and above; dist_*: those between neighbouring values.
+inline double transported(const double* v, std::ptrdiff_t lower, std::ptrdiff_t s, double flow, bool limited, double up,
+                          double down, double dist_below, double dist, double dist_above) {
+  if (!limited) return v[lower] + (v[lower + s] - v[lower]) * (up / dist);
+  const double slope = (v[lower + s] - v[lower]) / dist;
+  if (flow >= 0) {
+    const double behind = (v[lower] - v[lower - s]) / dist_below, p = slope * behind;
+    return v[lower] + (p > 0 ? up * 2 * p / (slope + behind) : 0.0);
+  }
+  const double behind = (v[lower + 2 * s] - v[lower + s]) / dist_above, p = slope * behind;
+  return v[lower + s] - (p > 0 ? down * 2 * p / (slope + behind) : 0.0);
+}
+
+}  // namespace
+
 Momentum::Momentum(const FineGrid& grid, const Box& own, const Box& local, const std::array<Box, 3>& faces)
     : own_(own), local_(local), faces_(faces), periodic_(grid.periodic()), n_(grid.n()) {
   for (int d = 0; d < 3; ++d) {
@@ -89,20 +107,12 @@ void Momentum::convect_part(double rho, const FaceField<FineGrid>& F, const Face
         if (bounded && c != d && (x[d] == 0 || x[d] == last)) {
           value = 0.5 * (v[lower] + v[lower + sd]);  // the side's own value
         } else if (bounded && c == d && (x[d] < 0 || x[d] == last)) {
-          value = x[d] < 0 ? v[lower + sd] : v[lower];  // outer side of an outlet's half volume
-        } else if (!limited) {
-          value = v[lower] + (v[lower + sd] - v[lower]) * (to_side_up / dist);
+          // The outer side of an outlet's half volume is the outlet's face itself.
+          const std::ptrdiff_t face = x[d] < 0 ? m + sc : m;
+          flow = Fd[face] * ae.width(x[e]) * axis_[f].width(x[f]);
+          value = v[face];
         } else {
-          const double slope = (v[lower + sd] - v[lower]) / dist;
-          if (flow >= 0) {
-            const double up = (v[lower] - v[lower - sd]) / dist_below;
-            const double p = slope * up;
-            value = v[lower] + (p > 0 ? to_side_up * 2 * p / (slope + up) : 0.0);
-          } else {
-            const double up = (v[lower + 2 * sd] - v[lower + sd]) / dist_above;
-            const double p = slope * up;
-            value = v[lower + sd] - (p > 0 ? to_side_down * 2 * p / (slope + up) : 0.0);
-          }
+          value = transported(v, lower, sd, flow, limited, to_side_up, to_side_down, dist_below, dist, dist_above);
         }
         q[m] = rho * flow * value;
       }
@@ -130,6 +140,20 @@ void Momentum::convect(double rho, const FaceField<FineGrid>& F, const FaceField
   convect_part<2, 0>(rho, F, u[2], limited, out[2]);
   convect_part<2, 1>(rho, F, u[2], limited, out[2]);
   convect_part<2, 2>(rho, F, u[2], limited, out[2]);
+}
+
+double Momentum::convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& F,
+                                   const FaceField<FineGrid>& u, Convection scheme) const {
+  if (scheme == Convection::kNone) return 0;
+  const Int3 x{i, j, k};
+  const std::ptrdiff_t s = u[c].stride(c), m = u[c].index(i, j, k);
+  const AxisMeasure& a = axis_[c];
+  const double flow = 0.5 * (F[c].data()[m] + F[c].data()[m + s]) * axis_[(c + 1) % 3].width(x[(c + 1) % 3]) *
+                      axis_[(c + 2) % 3].width(x[(c + 2) % 3]);
+  const double w = a.width(x[c]);
+  return rho * flow *
+         transported(u[c].data(), m, s, flow, scheme == Convection::kVanLeer, 0.5 * w, 0.5 * w, a.width(x[c] - 1), w,
+                     a.width(x[c] + 1));
 }
 
 void Momentum::viscous(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,

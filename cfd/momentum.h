@@ -32,6 +32,9 @@ class Momentum {
   /// u with halo and ghosts. van Leer (1974) limited, or central.
   void convect(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& u, Convection scheme,
                FaceField<FineGrid>& out);
+  /// rho F u of component c through the centre of own cell (i,j,k), along c, as convect takes it, N.
+  double convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& F,
+                           const FaceField<FineGrid>& u, Convection scheme) const;
   /// out += integral of div(eps tau), tau = mu (grad u + grad u^T - 2/3 div u I), N.
   void viscous(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
   /// Diagonal of -viscous, approximately (for Jacobi), N s/m.

@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <memory>
 
@@ -76,11 +77,38 @@ struct CfdBox {
     path.end = &eps_end;
     return fluid->advance(dt, path, exchange);
   }
+  Box faces(int d) const { return own().empty() ? Box{} : layout.faces(d, rank_); }
+  /// All values of a face component on every rank, at index i + nx (j + ny k); nx etc. one more than the cells.
+  std::vector<double> gathered(int d, const Array3<double>& field) const {
+    const Int3 n = grid.n();
+    std::vector<double> all(std::size_t(n[0] + 1) * (n[1] + 1) * (n[2] + 1), 0.0);
+    for_each(faces(d), [&](int i, int j, int k) { all[at(i, j, k)] = field(i, j, k); });
+    MPI_Allreduce(MPI_IN_PLACE, all.data(), int(all.size()), MPI_DOUBLE, MPI_SUM, comm_);
+    return all;
+  }
+  /// The same for a cell field.
+  std::vector<double> gathered(const Array3<double>& field) const {
+    const Int3 n = grid.n();
+    std::vector<double> all(std::size_t(n[0] + 1) * (n[1] + 1) * (n[2] + 1), 0.0);
+    for_each(own(), [&](int i, int j, int k) { all[at(i, j, k)] = field(i, j, k); });
+    MPI_Allreduce(MPI_IN_PLACE, all.data(), int(all.size()), MPI_DOUBLE, MPI_SUM, comm_);
+    return all;
+  }
+  std::size_t at(int i, int j, int k) const {
+    return std::size_t(i) + (grid.axis[0].n() + 1) * (std::size_t(j) + (grid.axis[1].n() + 1) * std::size_t(k));
+  }
+  double sum(double x) const {
+    MPI_Allreduce(MPI_IN_PLACE, &x, 1, MPI_DOUBLE, MPI_SUM, comm_);
+    return x;
+  }
+  double largest(double x) const {
+    MPI_Allreduce(MPI_IN_PLACE, &x, 1, MPI_DOUBLE, MPI_MAX, comm_);
+    return x;
+  }
   /// Volume-weighted root mean square over own faces (cells) of all ranks.
   double face_error(int d, const Function& exact) const {
     double sum[2] = {0, 0};
-    const Box faces = own().empty() ? Box{} : layout.faces(d, rank_);
-    for_each(faces, [&](int i, int j, int k) {
+    for_each(faces(d), [&](int i, int j, int k) {
       const Vec3 x = face(d, i, j, k);
       const double e = fluid->velocity()[d](i, j, k) - exact(x[0], x[1], x[2]),
                    V = fluid->momentum().volume(d, i, j, k);
@@ -106,6 +134,14 @@ struct CfdBox {
   MPI_Comm comm_;
   int rank_ = 0;
 };
+
+/// printf on rank 0 alone.
+template <class... T>
+void report(const char* format, T... values) {
+  int rank;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (rank == 0) std::printf(format, values...);
+}
 
 inline std::vector<double> uniform(double lo, double hi, int n) {
   return graded_nodes(lo, hi, n);

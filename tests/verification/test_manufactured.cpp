@@ -1,0 +1,286 @@
+// Manufactured solutions. Without these, a term that vanishes in the analytic flows (eps inside the time derivative, in
+// the flux, in the stress; d(eps)/dt; the split of the pressure gradient; drag in the projection; ghosts of a side)
+// could be wrong or of first order and nothing else would show it. The sources come from the exact fields alone.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "cfd_box.h"
+#include "manufactured.h"
+
+using namespace twogrid;
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+const Taylor k2Pi(2 * kPi);
+
+enum class Sides { kPeriodic, kNoSlip, kThrough };
+enum class Bed { kStill, kMoving };
+
+/// Box of size 1 x 1, periodic. eps = 0.6 + 0.2 sin(2 pi (x - c t)) cos(2 pi y) is carried with speed c along x.
+template <int moving>
+ExactFields periodic(const std::array<Taylor, 4>& q) {
+  const Taylor c(moving ? 0.5 : 0.0), x = k2Pi * (q[0] - c * q[3]), y = k2Pi * q[1], t = q[3];
+  ExactFields e;
+  e.eps = Taylor(0.6) + Taylor(0.2) * sin(x) * cos(y);
+  // psi = (1 + sin(2 t)/2) sin(X) sin(Y) / (2 pi), X = 2 pi x + t
+  const Taylor a = Taylor(1) + Taylor(0.5) * sin(Taylor(2) * t), X = k2Pi * q[0] + t, Y = y + Taylor(0.3);
+  e.flux[0] = c * e.eps + a * sin(X) * cos(Y);
+  e.flux[1] = Taylor(0.2) - a * cos(X) * sin(Y);
+  e.p = cos(X) * sin(y + t) + Taylor(0.5) * sin(k2Pi * q[0]) * cos(Taylor(3) * t);
+  return e;
+}
+
+/// No-slip walls at y = 0 and 1, periodic in x: flux (both components) zero there.
+template <int moving>
+ExactFields no_slip(const std::array<Taylor, 4>& q) {
+  const Taylor w(moving ? 3.0 : 0.0), x = k2Pi * q[0] - w * q[3], y = q[1], t = q[3];
+  const Taylor s = sin(Taylor(kPi) * y), g = s * s, dg = Taylor(kPi) * sin(k2Pi * y);
+  ExactFields e;
+  const Taylor a(0.05);
+  e.eps = Taylor(0.6) + a * cos(x) * dg;
+  // psi = g (1 + sin(2 pi x + t)/2) (1 + sin(2 t)/2) / pi; d(eps)/dt is fed by the flux along y.
+  const Taylor f = (Taylor(1) + Taylor(0.5) * sin(Taylor(2) * t)) / Taylor(kPi), X = k2Pi * q[0] + t;
+  e.flux[0] = dg * (Taylor(1) + Taylor(0.5) * sin(X)) * f;
+  e.flux[1] = Taylor(-1) * a * w * sin(x) * g - g * Taylor(kPi) * cos(X) * f;
+  e.p = cos(X) * sin(Taylor(2) * y + t) + Taylor(0.5) * sin(k2Pi * q[0]) * cos(Taylor(3) * t) * y;
+  return e;
+}
+
+/// Inlet at x = 0 (eps = 1, flux 1 + sin(t)/2, no tangential velocity), outlet at x = 1 (p = 0.7, no normal gradient
+/// of u), periodic in y.
+template <int moving>
+ExactFields through(const std::array<Taylor, 4>& q) {
+  const Taylor w(moving ? 3.0 : 0.0), x = q[0], y = k2Pi * q[1] - w * q[3], t = q[3];
+  const Taylor s = sin(Taylor(0.5 * kPi) * x), h = s * s;
+  ExactFields e;
+  e.eps = Taylor(1) - h * (Taylor(0.3) + Taylor(0.2) * cos(y));
+  // m' = x (1 - x)^2: psi = m(x) sin(2 pi y + t) makes a flux without normal gradient at both sides.
+  const Taylor m = x * x * (Taylor(0.5) - x * (Taylor(2.0 / 3) - Taylor(0.25) * x)),
+               dm = x * (Taylor(1) - x) * (Taylor(1) - x), Y = k2Pi * q[1] + t;
+  e.flux[0] = Taylor(1) + Taylor(0.5) * sin(t) + m * k2Pi * cos(Y);
+  e.flux[1] = Taylor(-0.2) * w / k2Pi * h * cos(y) - dm * sin(Y);
+  e.p = Taylor(0.7) + (Taylor(1) - x) * (cos(Y) + Taylor(0.5) * cos(Taylor(3) * t)) +
+        Taylor(0.3) * sin(Taylor(kPi) * x) * sin(Y);
+  return e;
+}
+
+/// Three-dimensional, periodic: eps carried along z, flux c eps z + curl of a vector potential.
+ExactFields periodic_3d(const std::array<Taylor, 4>& q) {
+  const Taylor c(0.5), x = k2Pi * q[0], y = k2Pi * q[1], z = k2Pi * (q[2] - c * q[3]), t = q[3];
+  ExactFields e;
+  e.eps = Taylor(0.6) + Taylor(0.2) * sin(x) * cos(y) * sin(z);
+  // ABC flow with a phase in time
+  e.flux[0] = Taylor(0.7) * sin(k2Pi * q[2] + t) + Taylor(0.5) * cos(y);
+  e.flux[1] = Taylor(0.6) * sin(x + t) + Taylor(0.7) * cos(k2Pi * q[2]);
+  e.flux[2] = c * e.eps + Taylor(0.5) * sin(y + t) + Taylor(0.6) * cos(x);
+  e.p = cos(x + t) * sin(y) * cos(k2Pi * q[2]);
+  return e;
+}
+
+struct Case {
+  Sides sides = Sides::kPeriodic;
+  Bed bed = Bed::kMoving;
+  bool formulation_a = true;
+  double stretch = 1;  // ratio of neighbouring widths on 16 cells
+  bool implicit = false;
+  bool deep = false;  // three-dimensional
+  double beta = 0;    // kg/(m3 s)
+  double viscosity = 0.01;
+  int turn = 0;  // the solution's x is the solver's direction `turn`
+};
+
+constexpr double kDensity = 1.3, kDuration = 0.2;
+
+/// dt proportional to h; Courant number below 0.5 on the smallest cells.
+int steps_of(const Case& c, int n) {
+  return c.stretch > 1 ? 2 * n : n;
+}
+
+Solution solution_of(const Case& c) {
+  const bool moving = c.bed == Bed::kMoving;
+  if (c.deep) return periodic_3d;
+  switch (c.sides) {
+    case Sides::kPeriodic:
+      return moving ? periodic<1> : periodic<0>;
+    case Sides::kNoSlip:
+      return moving ? no_slip<1> : no_slip<0>;
+    case Sides::kThrough:
+      return moving ? through<1> : through<0>;
+  }
+  return nullptr;
+}
+
+struct Errors {
+  double u, p;
+};
+
+Errors run(const Case& c, int n) {
+  const Solution solution = solution_of(c);
+  FluidSettings s;
+  s.density = kDensity;
+  s.viscosity = c.viscosity;
+  s.convection = Convection::kCentral;
+  s.implicit_viscosity = c.implicit ? Choice::kOn : Choice::kOff;
+  s.pressure_rtol = 1e-7;
+  const double dt = kDuration / steps_of(c, n);
+  s.dt = dt;
+  // A smooth mapping: the ratio of neighbours goes to one as the grid is refined.
+  const double ratio = std::pow(c.stretch, 16.0 / n);
+  std::array<int, 3> at_solver{c.turn, (c.turn + 1) % 3, (c.turn + 2) % 3};  // of the solution's x, y, z
+  std::array<bool, 3> periodic_axis{true, true, true};
+  std::array<std::vector<double>, 3> nodes;
+  nodes[at_solver[0]] = graded_nodes(0, 1, n, ratio, true);
+  nodes[at_solver[1]] = graded_nodes(0, 1, n, ratio, true);
+  nodes[at_solver[2]] = c.deep ? graded_nodes(0, 1, n, ratio, true) : uniform(0, 1.0 / n, 1);
+  double now = 0;  // time of the step's end
+  if (c.sides == Sides::kNoSlip) {
+    const int d = at_solver[1];
+    periodic_axis[d] = false;
+    s.side[2 * d] = s.side[2 * d + 1] = {condition(BoundaryKind::kNoSlip)};
+  }
+  if (c.sides == Sides::kThrough) {
+    const int d = at_solver[0];
+    periodic_axis[d] = false;
+    BoundaryCondition inlet = condition(BoundaryKind::kInlet);
+    inlet.velocity[d] = 1;
+    inlet.velocity_now = [&now, d]() {
+      Vec3 U{0, 0, 0};
+      U[d] = 1 + 0.5 * std::sin(now);
+      return U;
+    };
+    s.side[2 * d] = {inlet};
+    s.side[2 * d + 1] = {condition(BoundaryKind::kPressure, {0, 0, 0}, 0.7)};
+  }
+  CfdBox box(nodes, periodic_axis, s);
+  auto fields = [&](const Vec3& x, double t) {
+    return at(solution, {x[at_solver[0]], x[at_solver[1]], x[at_solver[2]]}, t);
+  };
+  auto component = [&](int d) { return (d - c.turn + 3) % 3; };  // of the solution, of the solver's direction d
+  auto u_at = [&](int d, double t) -> Function {
+    return [&, d, t](double x, double y, double z) {
+      const ExactFields e = fields({x, y, z}, t);
+      return e.flux[component(d)].v / e.eps.v;
+    };
+  };
+  auto eps_at = [&](double t) -> Function {
+    return [&, t](double x, double y, double z) { return fields({x, y, z}, t).eps.v; };
+  };
+  auto p_at = [&](double t) -> Function {
+    return [&, t](double x, double y, double z) { return fields({x, y, z}, t).p.v; };
+  };
+
+  auto u = box.face_field(), old = box.face_field();
+  for (int d = 0; d < 3; ++d) box.set_faces(d, u[d], u_at(d, 0)), box.set_faces(d, old[d], u_at(d, -dt));
+  CellField<FineGrid> p(box.eps_begin.box()), eps_old(box.eps_begin.box());
+  box.set(p, p_at(0));
+  box.set(box.eps_begin, eps_at(0));
+  box.set(eps_old, eps_at(-dt));
+  box.fluid->set_state(0, u, p, box.eps_begin, dt, old, eps_old);
+
+  Interphase exchange;
+  exchange.source = box.face_field();
+  if (c.beta > 0) exchange.beta = box.face_field();
+  if (c.formulation_a) exchange.chi = box.face_field();
+  for (int d = 0; d < 3 && c.beta > 0; ++d) exchange.beta[d].fill(c.beta);
+  FaceField<FineGrid> eps_f = box.face_field();
+  for (int step = 1; step <= steps_of(c, n); ++step) {
+    now = step * dt;
+    box.set(box.eps_end, eps_at(now));
+    if (c.formulation_a) box.fluid->momentum().face_mean(box.eps_end, eps_f);
+    for (int d = 0; d < 3; ++d) {
+      const Box faces = box.own().empty() ? Box{} : box.layout.faces(d, box.rank());
+      for_each(faces, [&](int i, int j, int k) {
+        const ExactFields e = fields(box.face(d, i, j, k), now);
+        const int q = component(d);
+        exchange.source[d](i, j, k) =
+            momentum_residual(e, q, kDensity, c.viscosity, c.formulation_a) + c.beta * e.flux[q].v / e.eps.v;
+        if (c.formulation_a) exchange.chi[d](i, j, k) = 1 - eps_f[d](i, j, k);
+      });
+    }
+    box.step(dt, exchange);
+    box.eps_begin = box.eps_end;
+  }
+  Errors result{0, 0};
+  for (int d = 0; d < 3; ++d) {
+    const double e = box.face_error(d, u_at(d, now));
+    result.u += e * e;
+  }
+  result.u = std::sqrt(result.u);
+  result.p = box.pressure_error(p_at(now), c.sides != Sides::kThrough);
+  return result;
+}
+
+void expect_orders(const std::string& name, Case c, double ratio, const std::vector<int>& cells, double p_order) {
+  // beta dt/rho on the finest grid.
+  c.beta = ratio * kDensity * steps_of(c, cells.back()) / kDuration;
+  std::vector<Errors> e;
+  for (int n : cells) e.push_back(run(c, n));
+  const std::size_t last = e.size() - 1;
+  const double scale = std::log(double(cells[last]) / cells[last - 1]);
+  const double u = std::log(e[last - 1].u / e[last].u) / scale, p = std::log(e[last - 1].p / e[last].p) / scale;
+  int rank;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (rank == 0) {
+    std::printf("%-34s %s %s %s beta dt/rho %6g: u", name.c_str(), c.formulation_a ? "A" : "B",
+                c.stretch > 1 ? "stretched" : "uniform  ", c.bed == Bed::kMoving ? "moving" : "still ", ratio);
+    for (const auto& x : e) std::printf(" %.2e", x.u);
+    std::printf(" order %.2f, p", u);
+    for (const auto& x : e) std::printf(" %.2e", x.p);
+    std::printf(" order %.2f\n", p);
+  }
+  EXPECT_GT(u, 1.9) << name;
+  EXPECT_GT(p, p_order) << name;
+}
+
+const char* name_of(Sides s) {
+  return s == Sides::kPeriodic ? "periodic" : s == Sides::kNoSlip ? "no-slip walls" : "inlet and outlet";
+}
+
+void all_combinations(Sides sides, double p_order) {
+  for (double stretch : {1.0, 1.1})
+    for (bool a : {true, false})
+      for (Bed bed : {Bed::kStill, Bed::kMoving})
+        for (double ratio : {0.01, 1.0, 100.0}) {
+          Case c;
+          c.sides = sides, c.bed = bed, c.formulation_a = a, c.stretch = stretch;
+          expect_orders(name_of(sides), c, ratio, {12, 24}, p_order);
+        }
+}
+
+}  // namespace
+
+TEST(Manufactured, Periodic) {
+  all_combinations(Sides::kPeriodic, 1.8);
+}
+
+TEST(Manufactured, NoSlipWalls) {
+  all_combinations(Sides::kNoSlip, 1.4);
+}
+
+TEST(Manufactured, InletAndOutlet) {
+  all_combinations(Sides::kThrough, 1.8);
+}
+
+TEST(Manufactured, ImplicitViscosity) {
+  for (Sides sides : {Sides::kPeriodic, Sides::kNoSlip, Sides::kThrough})
+    for (bool a : {true, false}) {
+      Case c;
+      c.sides = sides, c.formulation_a = a, c.implicit = true, c.viscosity = 0.1;
+      expect_orders(std::string(name_of(sides)) + ", implicit mu", c, 1.0, {12, 24},
+                    sides == Sides::kNoSlip ? 1.4 : 1.8);
+    }
+}
+
+TEST(Manufactured, FineGridsOtherAxesAndThreeDimensions) {
+  for (Sides sides : {Sides::kPeriodic, Sides::kNoSlip, Sides::kThrough}) {
+    Case c;
+    c.sides = sides, c.stretch = 1.15, c.turn = 1 + int(sides) % 2;
+    expect_orders(std::string(name_of(sides)) + ", 3 levels", c, 1.0, {12, 24, 48},
+                  sides == Sides::kNoSlip ? 1.4 : 1.8);
+  }
+  Case c;
+  c.deep = true;
+  expect_orders("periodic 3-D", c, 1.0, {8, 16}, 1.8);
+}
