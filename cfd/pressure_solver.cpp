@@ -55,6 +55,12 @@ class PressureSolver::Impl {
     check(KSPSetConvergenceTest(ksp_, &Impl::converged, this, nullptr));
   }
 
+  double rtol() const {
+    PetscReal r;
+    check(KSPGetTolerances(ksp_, &r, nullptr, nullptr, nullptr));
+    return r;
+  }
+
   void set_operator(const FaceField<FineGrid>& conductance, bool singular) {
     for (int d = 0; d < 3; ++d) {
       Box faces = own_;
@@ -81,8 +87,8 @@ class PressureSolver::Impl {
     load(b, -1, rhs_);
     load(phi, 1, solution_);
     if (singular_) balance(atol);
-    PetscReal rtol, abstol;
-    check(KSPGetTolerances(ksp_, &rtol, &abstol, nullptr, nullptr));
+    PetscReal abstol;
+    check(KSPGetTolerances(ksp_, nullptr, &abstol, nullptr, nullptr));
     PetscReal norm;
     check(VecNorm(rhs_, NORM_2, &norm));
     if (!std::isfinite(norm))
@@ -93,7 +99,7 @@ class PressureSolver::Impl {
       store(phi);
       return 0;
     }
-    target_ = std::max({rtol * norm, double(abstol), atol});
+    target_ = std::max({rtol() * norm, double(abstol), atol});
 
     // A residual updated by recurrence drifts from the true one by round-off: where that matters the true residual is
     // checked after the solve, and the solve is started again from where it is.
@@ -288,6 +294,10 @@ class PressureSolver::Impl {
 PressureSolver::PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol)
     : impl_(std::make_unique<Impl>(comm, grid, layout, rtol)) {}
 PressureSolver::~PressureSolver() = default;
+
+double PressureSolver::rtol() const {
+  return impl_->rtol();
+}
 
 void PressureSolver::set_operator(const FaceField<FineGrid>& conductance, bool singular) {
   impl_->set_operator(conductance, singular);

@@ -20,19 +20,27 @@ class PressureSolver {
   PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol);
   ~PressureSolver();
 
+  /// Relative tolerance in force: the constructor's, or -fluid_pressure_rtol, or -fluid_pressure_ksp_rtol.
+  double rtol() const;
+
   /// Sets the operator. conductance[d](i,j,k), own faces: c A / distance of the face (all factors multiplied in), >= 0;
   /// A periodic face is given once, at index 0. Symmetric by construction. Collective.
   /// singular: no boundary face has c > 0 (phi is defined up to a constant; mean zero is returned).
   void set_operator(const FaceField<FineGrid>& conductance, bool singular);
 
   /// Solves  sum over faces of conductance (phi_neighbour - phi_cell) = b  for own cells; b is an integral over the
-  /// cell. phi on entry: first guess, on return: the solution, own cells only (its halo is not filled). Stops at |b - A
-  /// phi|_2 <= max(rtol |b|_2, atol); also where rounding alone leaves more than that, i.e. at 4 machine epsilons of
-  /// |b|_2 + |diag(A) phi|_2. Below 1e-8 |b|_2 the residual is recomputed, not the one of the recurrence. rtol: the
-  /// constructor's, or -fluid_pressure_rtol, or -fluid_pressure_ksp_rtol. singular: the sum of b must be within 1e-6 of
-  /// the sum of |b| or, over the square root of the number of cells, within atol; it is spread out evenly. Give an atol
-  /// wherever b may be round-off alone. Returns the number of iterations. Throws std::runtime_error with a sentence on
-  /// all ranks when it doesn't converge. Collective.
+  /// cell. Collective. Returns the number of iterations. Throws std::runtime_error with a sentence on all ranks when it
+  /// doesn't converge.
+  ///
+  /// phi: on entry the first guess, on return the solution; own cells only (its halo is not filled). Cells without any
+  /// open face must have b = 0 and keep the first guess.
+  ///
+  /// Stops at |b - A phi|_2 <= max(rtol |b|_2, atol), or where rounding alone leaves more than that: at 4 machine
+  /// epsilons of |b|_2 + |diag(A) phi|_2. A target below 1e-8 |b|_2 is checked on b - A phi itself, not on the
+  /// recurrence's residual.
+  ///
+  /// Singular: the sum of b must be within 1e-6 of the sum of |b| or, over the square root of the number of cells,
+  /// within atol; it is spread out evenly. So give an atol wherever b may be round-off alone.
   int solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol = 0);
 
  private:
