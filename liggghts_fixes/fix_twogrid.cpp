@@ -333,6 +333,9 @@ void FixTwogrid::couple() {
   watch_particles(signal_seen());
   Particles p = particles();
   coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_);
+  // The coupling has changed velocities. Ghosts must follow, or else the two sides of a contact across a border of
+  // ranks or of the box see different damping, and momentum is lost.
+  comm->forward_comm();
   last_interval_ = time_since_coupling_;
   steps_since_coupling_ = 0;
   time_since_coupling_ = 0;

@@ -46,7 +46,7 @@ def reference(d, g, t):
 
 
 def run(executable, d, g, axis, dt, steps, two_way=False, cell=None, every=1):
-    L = 60 * d
+    L = 60 * d if dt < d / 10 / terminal(d, g) or two_way else max(60 * d, 20 * terminal(d, g) * dt)
     cells = [6, 6, 6]
     if cell:
         cells = [int(round(L / (cell * d)))] * 3
