@@ -238,6 +238,8 @@ void FixTwogrid::build() {
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, lo, hi, reach());
   open_output();
   say(scene_report(s, script_.side_given, grid, facts));
+  if (state_->recent_restart)
+    warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }
 
 /// The fluid's bricks lie where LIGGGHTS' are, to the particle cell.
