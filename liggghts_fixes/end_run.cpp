@@ -42,7 +42,7 @@ void end_with_error(LAMMPS_NS::LAMMPS* lammps, MPI_Comm comm, const std::string&
     MPI_Finalize();
     std::exit(EXIT_FAILURE);
   }
-  say(lammps, "ERROR on rank " + std::to_string(rank) + " only: " + sentence);
+  say(lammps, "ERROR on rank " + std::to_string(rank) + ": " + sentence);
   MPI_Abort(MPI_COMM_WORLD, EXIT_FAILURE);
   std::_Exit(EXIT_FAILURE);
 }
