@@ -1,0 +1,142 @@
+// The map between the two grids: mean over a node's faces, and its transpose.
+//
+// Without these tests would pass: a mean that is off where the grid is stretched or a wall takes part of a block's
+// faces; a reaction that goes to other faces than were read, so that action and reaction only cancel on average.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "coupling/ledger.h"
+#include "coupling/map.h"
+#include "coupling_fakes.h"
+
+namespace twogrid_test {
+namespace {
+
+struct MapScene {
+  FineGrid grid;
+  Int3 ratio;
+  std::unique_ptr<FakeFluid> fluid;
+  std::unique_ptr<Map> map;
+  MapScene(const Int3& ratio, std::array<bool, 3> periodic, double stretch)
+      : grid(make_grid({0, 0, 0}, {1, 1, 2}, {8, 4, 16}, periodic, {stretch, 1, stretch})), ratio(ratio) {
+    fluid = std::make_unique<FakeFluid>(MPI_COMM_WORLD, grid, make_layout(grid, size_of(MPI_COMM_WORLD), ratio));
+  }
+  void make() { map = std::make_unique<Map>(MPI_COMM_WORLD, *fluid, ParticleGrid(grid, ratio)); }
+  NodeVector<CellField<ParticleGrid>> nodes() const {
+    NodeVector<CellField<ParticleGrid>> n;
+    for (auto& a : n) a.reset(map->own());
+    return n;
+  }
+};
+
+double total(double mine) {
+  double all = 0;
+  MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return all;
+}
+
+TEST(Map, RatioThatDoesNotDivideIsRefused) {
+  const FineGrid grid = make_grid({0, 0, 0}, {1, 1, 1}, {10, 10, 10}, {false, false, false});
+  try {
+    ParticleGrid nodes(grid, {5, 4, 2});
+    FAIL() << "a ratio of 4 in 10 cells was taken";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_EQ(std::string(e.what()), "ratio 4 does not divide the 10 fine cells in direction y: change ratio or fine");
+  }
+}
+
+TEST(Map, UniformVelocityIsExactAndLinearVelocityIsExactOnUniformGrids) {
+  for (double stretch : {1.0, 1.1})
+    for (Int3 ratio : {Int3{1, 1, 1}, Int3{2, 2, 4}, Int3{4, 1, 2}}) {
+      MapScene s(ratio, {true, true, true}, stretch);
+      s.make();
+      auto n = s.nodes();
+      s.fluid->set(s.fluid->u_, [](int d, const Vec3&) { return 1.25 + d; });
+      s.map->mean(s.fluid->u_, n);
+      for (int d = 0; d < 3; ++d)
+        for_each(s.map->own(), [&](int i, int j, int k) { EXPECT_NEAR(n[d](i, j, k), 1.25 + d, 1e-15 * 4); });
+      if (stretch != 1) continue;
+      auto profile = [](int d, const Vec3& x) { return 0.3 + d + 0.5 * x[0] - 0.7 * x[1] + 0.2 * x[2]; };
+      s.fluid->set(s.fluid->u_, profile);
+      s.map->mean(s.fluid->u_, n);
+      for (int d = 0; d < 3; ++d)
+        for_each(s.map->own(), [&](int i, int j, int k) {
+          const Axis* a = s.map->grid().axis.data();
+          EXPECT_NEAR(n[d](i, j, k), profile(d, {a[0].centre(i), a[1].centre(j), a[2].centre(k)}), 1e-14);
+        });
+    }
+}
+
+// Walls have weight zero and the rest is scaled up; a node with walls only reads 0 and hands its share to the wall.
+TEST(Map, WallsHaveNoWeight) {
+  MapScene s({2, 4, 2}, {false, false, false}, 1.0);
+  // One node deep in y, with all its y faces fixed: a scene that has no y velocity.
+  for_each(s.fluid->state_[1].box(), [&](int i, int j, int k) { s.fluid->state_[1](i, j, k) = FaceState::kFixed; });
+  s.make();
+  auto n = s.nodes();
+  s.fluid->set(s.fluid->u_, [](int, const Vec3&) { return 2.0; });
+  for (int d = 0; d < 3; ++d)
+    for_each(s.fluid->u_[d].box(), [&](int i, int j, int k) {
+      if (s.fluid->state_[d](i, j, k) == FaceState::kFixed) s.fluid->u_[d](i, j, k) = 77;
+    });
+  s.map->mean(s.fluid->u_, n);
+  for_each(s.map->own(), [&](int i, int j, int k) {
+    EXPECT_NEAR(n[0](i, j, k), 2, 1e-15);
+    EXPECT_EQ(n[1](i, j, k), 0);
+    EXPECT_NEAR(n[2](i, j, k), 2, 1e-15);
+  });
+  auto q = s.nodes();
+  double sum = 0;
+  for_each(s.map->own(), [&](int i, int j, int k) {
+    for (int d = 0; d < 3; ++d) q[d](i, j, k) = 1 + i + 10 * j + 0.1 * k;
+    sum += q[1](i, j, k);
+  });
+  FaceField<FineGrid> density;
+  for (int d = 0; d < 3; ++d) density[d].reset(s.map->faces(d));
+  const Vec3 held = s.map->spread({&q[0], &q[1], &q[2]}, density);
+  EXPECT_EQ(held[0], 0);
+  EXPECT_NEAR(total(held[1]), total(sum), 1e-12 * total(sum));
+  for (std::size_t m = 0; m < density[1].size(); ++m) EXPECT_EQ(density[1].data()[m], 0);
+}
+
+TEST(Map, SpreadIsTheTransposeOfMean) {
+  for (double stretch : {1.0, 1.1})
+    for (Int3 ratio : {Int3{1, 1, 1}, Int3{2, 2, 4}, Int3{8, 4, 2}})
+      for (int sides = 0; sides < 3; ++sides) {
+        MapScene s(ratio, {sides == 1, sides == 1, sides >= 1}, stretch);
+        if (sides == 0) s.fluid->open_side(2, true);  // an outlet is solved for
+        s.make();
+        // Values from the position alone, so that all ranks agree on those they share. Periodic in z where z is.
+        s.fluid->set(s.fluid->u_, [](int d, const Vec3& x) {
+          return std::sin(2 * M_PI * x[0] + d) + std::cos(2 * M_PI * x[1]) + std::sin(M_PI * x[2] + 0.3);
+        });
+        auto n = s.nodes(), q = s.nodes();
+        s.map->mean(s.fluid->u_, n);
+        Sum left, right, given, received;
+        for_each(s.map->own(), [&](int i, int j, int k) {
+          for (int d = 0; d < 3; ++d) {
+            q[d](i, j, k) = std::sin(1.0 + 3 * i + 5 * j + 7 * k + 11 * d);
+            left += q[d](i, j, k) * n[d](i, j, k);
+            given += q[d](i, j, k);
+          }
+        });
+        FaceField<FineGrid> density;
+        for (int d = 0; d < 3; ++d) density[d].reset(s.map->faces(d));
+        const Vec3 held = s.map->spread({&q[0], &q[1], &q[2]}, density);
+        for (int d = 0; d < 3; ++d) {
+          received += held[d];
+          for_each(s.map->faces(d), [&](int i, int j, int k) {
+            const double f = density[d](i, j, k) * s.map->face_volume(d, i, j, k);
+            if (f == 0) return;
+            right += f * s.fluid->u_[d](i, j, k);
+            received += f;
+          });
+        }
+        EXPECT_NEAR(total(left.value()), total(right.value()), 1e-12);
+        EXPECT_NEAR(total(given.value()), total(received.value()), 1e-12);
+      }
+}
+
+}  // namespace
+}  // namespace twogrid_test
