@@ -1,0 +1,135 @@
+#!/usr/bin/python3
+"""Minimum fluidisation of the falling branch against Ergun (1952) at the bed's own void fractions.
+
+    compare.py FOLDER [--no-picture]     FOLDER: what in.fluidisation_curve wrote (curve.txt, bed.txt)
+
+Prints PASS or FAIL for every check, draws FOLDER/fluidisation_curve.png, ends with 0 if all passed.
+"""
+import argparse
+import os
+import sys
+
+import numpy as np
+
+# As in.fluidisation_curve has it.
+RHO_F, MU, RHO_P, G, WIDTH = 1.2, 1.8e-5, 1000.0, 9.81, 6.0e-3
+TOLERANCE = 0.05
+
+
+def read_beds(path):
+    """All dumped frames: list of (step, positions, radii)."""
+    with open(path) as f:
+        lines = f.read().split("\n")
+    frames, at = [], 0
+    while at + 9 < len(lines):
+        step, count = int(lines[at + 1]), int(lines[at + 3])
+        table = np.array([line.split()[:4] for line in lines[at + 9:at + 9 + count]], dtype=float)
+        frames.append((step, table[:, :3], table[:, 3]))
+        at += 9 + count
+    return frames
+
+
+def volume_below(z, centre, radius):
+    """Volume of spheres below the height z (m3): caps by their height h, pi h^2 (3 r - h) / 3."""
+    h = np.clip(z - (centre - radius), 0, 2 * radius)
+    return np.sum(np.pi * h**2 * (3 * radius - h) / 3)
+
+
+def void_fractions(x, radius):
+    """Exact void fraction of slices of two diameters, from the floor to above the surface; their height (m)."""
+    height = 4 * radius.mean()
+    borders = np.arange(0, x[:, 2].max() + radius.max() + height, height)
+    below = np.array([volume_below(z, x[:, 2], radius) for z in borders])
+    return 1 - np.diff(below) / (WIDTH**2 * height), height
+
+
+def ergun_factors(eps, d):
+    """Ergun (1952): dp/L = linear U + quadratic U^2 of a packing at superficial velocity U; Pa s/m2 and Pa s2/m3."""
+    return 150 * (1 - eps)**2 * MU / (eps**3 * d**2), 1.75 * (1 - eps) * RHO_F / (eps**3 * d)
+
+
+def velocity_at(dp, linear, quadratic):
+    """Velocity U at which linear U + quadratic U^2 = dp."""
+    return 2 * dp / (linear + np.sqrt(linear**2 + 4 * quadratic * dp))
+
+
+def ergun_velocity(x, radius, weight):
+    """Superficial velocity (m/s) at which Ergun's pressure drop over the bed's own void fractions is the weight."""
+    eps, height = void_fractions(x, radius)
+    linear, quadratic = ergun_factors(eps, 2 * radius.mean())
+    return velocity_at(weight, height * linear.sum(), height * quadratic.sum())
+
+
+def measure(folder):
+    curve = np.loadtxt(os.path.join(folder, "curve.txt"))
+    step, U, dp = curve[:, 0], curve[:, 2], curve[:, 3]
+    beds = read_beds(os.path.join(folder, "bed.txt"))
+    radius = beds[-1][2]
+    weight = np.sum(4 / 3 * np.pi * radius**3) * (RHO_P - RHO_F) * G / WIDTH**2
+    falling = np.arange(len(U)) > np.argmax(U)
+    # Fixed-bed line dp = a U + b U^2, from the part of the falling branch well below the weight.
+    fixed = falling & (dp < 0.75 * weight) & (dp > 0.1 * weight)
+    (a, b), *_ = np.linalg.lstsq(np.stack([U[fixed], U[fixed]**2], axis=1), dp[fixed], rcond=None)
+    Umf = velocity_at(weight, a, b)
+    at_rest = [(x, r) for s, x, r in beds if step[fixed].min() <= s <= step[fixed].max()]
+    ergun = np.mean([ergun_velocity(x, r, weight) for x, r in at_rest])
+    eps = np.mean([void_fractions(x, r)[0][2:-3] for x, r in at_rest])
+    middle = velocity_at((1 - eps) * (RHO_P - RHO_F) * G, *ergun_factors(eps, 2 * radius.mean()))
+    return dict(U=U, dp=dp, falling=falling, a=a, b=b, weight=weight, Umf=Umf, eps=eps, ergun=ergun, middle=middle,
+                plateau=dp[falling & (U > 1.03 * Umf)], particles=len(radius), beds=len(at_rest))
+
+
+def draw(m, path):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    fig, ax = plt.subplots(figsize=(7, 4.6))
+    up = ~m["falling"]
+    ax.plot(m["U"][up], m["dp"][up], "o", ms=4, mfc="none", color="tab:blue", label="rising")
+    ax.plot(m["U"][m["falling"]], m["dp"][m["falling"]], "o", ms=4, color="tab:red", label="falling")
+    U = np.linspace(0, m["U"].max(), 200)
+    line = m["a"] * U + m["b"] * U**2
+    ax.plot(U[line < 1.15 * m["weight"]], line[line < 1.15 * m["weight"]], "k-", lw=1, label="fixed bed, fitted")
+    ax.axhline(m["weight"], color="k", ls="--", lw=1, label="buoyant weight / area")
+    ax.axvline(m["Umf"], color="tab:red", lw=1, alpha=0.6)
+    ax.axvline(m["ergun"], color="tab:green", lw=1.2, ls="-.", label="Ergun at the bed's void fractions")
+    ax.set_xlabel("superficial gas velocity (m/s)")
+    ax.set_ylabel("pressure drop (Pa)")
+    ax.set_ylim(0, 1.25 * m["weight"])
+    ax.set_xlim(0, None)
+    ax.legend(frameon=False, loc="lower right")
+    ax.set_title(f"U_mf = {m['Umf']:.4f} m/s, Ergun {m['ergun']:.4f} m/s")
+    fig.tight_layout()
+    fig.savefig(path, dpi=130)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("folder")
+    parser.add_argument("--no-picture", action="store_true")
+    options = parser.parse_args()
+    m = measure(options.folder)
+    failed = 0
+
+    def verdict(good, text):
+        nonlocal failed
+        failed += not good
+        print(f"{'PASS' if good else 'FAIL'}  {text}")
+
+    print(f"      {m['particles']} particles; weight/area {m['weight']:.2f} Pa; void fraction of the middle "
+          f"{m['eps']:.4f}, where Ergun alone would give {m['middle']:.4f} m/s ({m['beds']} beds at rest)")
+    if len(m["plateau"]) > 1:
+        mean, error = m["plateau"].mean(), m["plateau"].std(ddof=1) / np.sqrt(len(m["plateau"]))
+        print(f"      pressure drop of the falling branch above minimum fluidisation {mean:.1f} +- {error:.1f} Pa")
+    error = m["Umf"] / m["ergun"] - 1
+    verdict(abs(error) <= TOLERANCE, f"minimum fluidisation {m['Umf']:.4f} m/s, Ergun over the bed's own void fractions "
+            f"{m['ergun']:.4f} m/s: {100 * error:+.2f} % (wanted within {100 * TOLERANCE:.0f} %)")
+    if not options.no_picture:
+        path = os.path.join(options.folder, "fluidisation_curve.png")
+        draw(m, path)
+        print(f"      picture: {path}")
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,27 @@
+#!/usr/bin/python3
+"""Minimum fluidisation from the falling ramp of cases/fluidisation_curve, in its short form, against Ergun.
+
+Without it a drag that is wrong by a factor of the void fraction, a reaction that doesn't reach the pressure, or an inlet
+whose variable isn't followed would pass: all other tests of drag keep the particles fixed or alone.
+Usage: min_fluidisation.py EXECUTABLE
+"""
+import os
+import subprocess
+import sys
+
+from harness import Run
+
+CASE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cases", "fluidisation_curve")
+
+
+def main():
+    with open(os.path.join(CASE, "in.fluidisation_curve")) as f:
+        script = f.read()
+    run = Run(sys.argv[1], script, options=["-var", "out", ".", "-var", "tup", "0.2", "-var", "tdown", "0.6"],
+              timeout=300)
+    done = subprocess.run(["/usr/bin/python3", os.path.join(CASE, "compare.py"), run.path, "--no-picture"])
+    sys.exit(done.returncode)
+
+
+if __name__ == "__main__":
+    main()
