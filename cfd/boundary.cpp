@@ -116,6 +116,7 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
           s.profile[m] = profile_factor(c, x, s.e, s.f, extent);
         }
     }
+    normalise_parabolas(comm, s, side);
     for (const auto& c : conditions) open_ = open_ || c.kind == BoundaryKind::kPressure;
     if (!covered[side].empty())
       MPI_Allreduce(MPI_IN_PLACE, covered[side].data(), int(covered[side].size()), MPI_INT, MPI_SUM, comm);
@@ -150,6 +151,24 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
       }
   }
   update();
+}
+
+void Boundaries::normalise_parabolas(MPI_Comm comm, SideData& s, int side) {
+  const auto& conditions = settings_.side[side];
+  std::vector<double> sum(2 * conditions.size(), 0.0);  // factor times area, area, of every condition
+  for_each_face(side, [&](int, int i, int j, int k) {
+    const Int3 q{i, j, k};
+    const int m = s.at(q[s.e], q[s.f]);
+    const double A = grid_.area(s.d, i, j, k);
+    sum[2 * s.condition[m]] += s.profile[m] * A;
+    sum[2 * s.condition[m] + 1] += A;
+  });
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), int(sum.size()), MPI_DOUBLE, MPI_SUM, comm);
+  for (std::size_t m = 0; m < s.profile.size(); ++m) {
+    const int c = s.condition[m];
+    if (conditions[c].profile.shape == InletProfile::Shape::kParabolic && sum[2 * c] != 0)
+      s.profile[m] *= sum[2 * c + 1] / sum[2 * c];
+  }
 }
 
 void Boundaries::update() {

@@ -70,6 +70,8 @@ class Boundaries {
     Box own;                                           // the rank's own boundary faces
     int at(int a, int b) const { return (a - lo_e) + n_e * (b - lo_f); }
   };
+  /// Scales parabolic profiles so that the faces of a patch, not its drawn outline, carry the given mean. Collective.
+  void normalise_parabolas(MPI_Comm comm, SideData& s, int side);
   void set_tangential(SideData& s, int side);
 
   const FineGrid& grid_;

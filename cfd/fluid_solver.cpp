@@ -153,9 +153,11 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
              << " s); wanted: finite values; lower 'cfl' (" << settings_.cfl << ") or 'every', or coarsen 'fine'";
         throw std::runtime_error(text.str());
       }
-      report.cfl = std::max(report.cfl, cfl);
       // A sudden inflow may break the limit only after the projection has seen it: take the step again, smaller.
-      if (cfl <= 1 || settings_.convection == Convection::kNone || settings_.dt > 0) break;
+      if (cfl <= 1 || settings_.convection == Convection::kNone || settings_.dt > 0) {
+        report.cfl = std::max(report.cfl, cfl);
+        break;
+      }
       previous_level();
       step = formula(0.5 * step.dt * std::min(1.0, 2 * settings_.cfl / cfl));
     }
