@@ -22,6 +22,15 @@ namespace {
 /// Interval over response time of the particles above which `hold auto` holds the flux, and below which it lets go.
 constexpr double kHoldAbove = 0.05, kHoldBelow = 0.025;
 
+/// Step over response time above which a step counts as stiff: below, the error of a constant b is under 1e-3.
+constexpr double kStiff = 0.02;
+constexpr int kStiffRounds = 4;
+
+/// (1 - e^-k)/k, the mean of e^-s over [0, k].
+double mean_decay(double k) {
+  return k < kStiff ? 1 - k * (0.5 - k * (1.0 / 6 - k / 24)) : -std::expm1(-k) / k;
+}
+
 /// Adds the CPU time of its life to a share.
 class Stopwatch {
  public:
@@ -50,7 +59,6 @@ void check(const Settings& s) {
   if (!find_drag_law(s.drag))
     refuse("drag: there is no law called '" + s.drag + "', wanted one of: " + drag_law_names());
   if (!(s.eps_min > 0 && s.eps_min < 1)) refuse("eps_min must lie between 0 and 1, found " + number(s.eps_min));
-  if (!(s.theta >= 0.5 && s.theta <= 1)) refuse("theta must lie between 0.5 and 1, found " + number(s.theta));
   if (s.read == Read::kKernel && !(s.kernel_width > 0))
     refuse("read kernel needs a width above 0 (m), found " + number(s.kernel_width));
   if ((s.read == Read::kCube || s.deposit == Deposit::kCube) && !(s.cube_edge > 0))
@@ -79,6 +87,7 @@ class Coupling::Impl {
   void start(Particles& p, double dem_dt);
   void advance(Particles& p, int steps, double dem_dt);
   void force(Particles& p, double dem_dt, bool accumulate);
+  void finish_step(Particles& p);
 
   Report report_;
   Shares shares_;
@@ -101,6 +110,9 @@ class Coupling::Impl {
 
   bool formulation_A() const { return settings_.formulation == Formulation::kA; }
   bool inside(const double x[3]) const;
+  double law_at(const Particles& p, int i, const Vec3& slip) const;
+  void stiff_forces(const Particles& p, int i, double k_per_b, double dem_dt, const Vec3& steady, const Vec3& slip,
+                    bool ends_a_step, Vec3& first, Vec3& second) const;
 
   MPI_Comm comm_;
   Settings settings_;
@@ -132,6 +144,7 @@ class Coupling::Impl {
   Extremes extremes_;
   long long new_count_ = 0;
   double terms_ = 1;
+  bool any_stiff_ = false;  // in this rank's last step
   Ledger ledger_;
 };
 
@@ -469,6 +482,7 @@ void Coupling::Impl::read(Particles& p, double interval) {
     const double b_A = drag_coefficient(law_, eps, diameter, slip, rho, mu, y);
     const double b = A ? b_A : b_A / eps;
     s[kVoidFraction] = eps;
+    s[kSizeRatio] = y;
     s[kDragCoefficient] = b;
     s[kResponse] = b_A / eps;
     const double volume = sphere_volume(p.radius[i]);
@@ -543,45 +557,124 @@ void Coupling::Impl::close_ledger(double interval) {
   known_volume_ = balance.solid_volume;
 }
 
-// F = b (u_seen - v) + F_p,  f <- (f - V_p rho_f g + F)/(1 + theta c D/m), D = dem_dt
+// Drag with the exact answer of a linear drag to a constant force (exponential integrator): velocity Verlet moves
+// v^{n-1/2} to v^{n+1/2} by one f,
+//   f <- phi(k) (f - V_p rho_f g + F),   F = b (u_seen - v) + F_p,   k = c D/m,   phi(k) = (1 - e^-k)/k,   D = dem_dt
 //   not holding   u_seen = u_read, c = b
 //   holding       u_seen = u_read - C(t), c = b_tot (1 + eps_s/eps); formulation A: F_p grows by V_p P(t)
+// monotone for every k. Stiff steps (k > kStiff): stiff_forces().
 void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
   Stopwatch watch(shares_.force);
   const bool add_path = accumulate && !path_counted_;
   if (accumulate) path_counted_ = false;
   if (holding_) motion().update(p);
   const bool A = formulation_A();
-  const double theta_dt = settings_.theta * dem_dt;
   const double lift = -fluid_.density();
+  any_stiff_ = false;
   Vec3 c{0, 0, 0}, pressure{0, 0, 0};
   for (int i = 0; i < p.n; ++i) {
     if (!p.takes_part(i)) continue;
     double* s = p.state[i];
     const double b = s[kDragCoefficient];
-    const double buoyancy = b > 0 ? lift * sphere_volume(p.radius[i]) : 0.0;
+    const double sphere = sphere_volume(p.radius[i]), buoyancy = b > 0 ? lift * sphere : 0.0;
     double volume = 0, response = b;
     if (holding_ && b > 0) {
       motion().change_at(p.x[i], c, pressure);
-      volume = A ? sphere_volume(p.radius[i]) : 0.0;
+      volume = A ? sphere : 0.0;
       response = s[kResponse] / s[kVoidFraction];
     }
-    const double factor = 1 / (1 + theta_dt * response / p.mass[i]);
+    Vec3 other, slip, steady;
     for (int d = 0; d < 3; ++d) {
-      const double seen = s[kFluidVelocity + d] - c[d];
-      const double other = p.f[i][d] + buoyancy * gravity_[d];
-      const double total = (other + b * (seen - p.v[i][d]) + s[kPressureForce + d] + volume * pressure[d]) * factor;
-      const double received = total - other;
+      s[kSeenVelocity + d] = s[kFluidVelocity + d] - c[d];
+      other[d] = p.f[i][d] + buoyancy * gravity_[d];
+      slip[d] = s[kSeenVelocity + d] - p.v[i][d];
+      steady[d] = other[d] + s[kPressureForce + d] + volume * pressure[d];
+    }
+    const double k = response * dem_dt / p.mass[i];
+    const bool stiff = k > kStiff;
+    Vec3 first, second;  // forces of the half kicks before and after this step's end
+    if (stiff) {
+      any_stiff_ = true;
+      stiff_forces(p, i, k / b, dem_dt, steady, slip, accumulate, first, second);
+    } else {
+      for (int d = 0; d < 3; ++d) first[d] = second[d] = (steady[d] + b * slip[d]) * mean_decay(k);
+    }
+    for (int d = 0; d < 3; ++d) {
+      const double received = 0.5 * (first[d] + second[d]) - other[d];
       // In set-up the force is applied for half a step, in place of the half step that the last one would have had.
-      s[kImpulse + d] +=
-          accumulate ? received * dem_dt : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d]);
+      s[kImpulse + d] += accumulate ? received * dem_dt
+                                    : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] -
+                                                      0.5 * s[kLateForce + d]);
       s[kDragForce + d] = received - s[kPressureForce + d];
-      s[kSeenVelocity + d] = seen;
+      s[kLateForce + d] = second[d] - first[d];
       if (add_path) s[kDisplacement + d] += p.v[i][d] * dem_dt;
-      p.f[i][d] = total;
+      p.f[i][d] = first[d];
     }
     if (holding_) c = pressure = {0, 0, 0};
   }
+}
+
+/// Half kicks of a stiff step such that v at whole steps is the exact answer and v between them, which moves the particle,
+/// its exact mean. With G the steady force and w the slip at the mean velocity of the step that ends:
+///   end of this step     first  = 2 (G + b w) [1 - (1 - phi)/(k phi)]
+///   start of the next    second = 2 (G + b w_n) (1 - phi)/k,   w_n the slip at this step's end
+/// b by the drag law at the mean slip of the step in question (that of the next one by iteration). k_per_b = k/b.
+void Coupling::Impl::stiff_forces(const Particles& p, int i, double k_per_b, double dem_dt, const Vec3& steady,
+                                  const Vec3& slip, bool ends_a_step, Vec3& first, Vec3& second) const {
+  const double per_mass = dem_dt / p.mass[i];
+  Vec3 end = slip, middle;
+  if (ends_a_step) {
+    // b at the mean slip; the longer the step, the nearer to the slip at its end, where it settles.
+    double b = law_at(p, i, slip);
+    for (int round = 0; round <= kStiffRounds; ++round) {
+      const double k = k_per_b * b, phi = mean_decay(k), share = 1 - (1 - phi) / (k * phi);
+      const double late = -std::expm1(-k * k);
+      for (int d = 0; d < 3; ++d) {
+        const double kick = (steady[d] + b * slip[d]) * share;
+        first[d] = 2 * kick;
+        end[d] = slip[d] - kick * per_mass;
+        middle[d] = slip[d] + late * (end[d] - slip[d]);
+      }
+      if (round < kStiffRounds) b = std::sqrt(b * law_at(p, i, middle));
+    }
+  }
+  // b and the mean slip depend on each other; where the drag goes with the square of the slip their product would swing
+  // about the answer, and the geometric mean meets it.
+  double b = law_at(p, i, end), share = 0;
+  for (int round = 0; round <= kStiffRounds; ++round) {
+    const double k = k_per_b * b, phi = mean_decay(k);
+    share = (1 - phi) / k;
+    if (round == kStiffRounds) break;
+    double square = 0, mean_square = 0;
+    for (int d = 0; d < 3; ++d) {
+      const double F = steady[d] + b * end[d], last = end[d] - F * phi * per_mass;
+      middle[d] = end[d] - F * share * per_mass;
+      square += (end[d] * end[d] + end[d] * last + last * last) / 3;
+      mean_square += 0.25 * (end[d] + last) * (end[d] + last);
+    }
+    // A drag that grows faster than the slip has a mean above that of the mean slip: mean of w^2 over mean of w.
+    const double above = mean_square > 0 ? std::min(square / mean_square, 4.0 / 3) : 1.0;
+    for (double& w : middle) w *= above;
+    b = std::sqrt(b * law_at(p, i, middle));
+  }
+  for (int d = 0; d < 3; ++d) second[d] = 2 * (steady[d] + b * end[d]) * share;
+  if (!ends_a_step) first = second;
+}
+
+/// The drag coefficient b_p for another slip than that of the last coupling, at the same eps and size.
+double Coupling::Impl::law_at(const Particles& p, int i, const Vec3& slip) const {
+  const double* s = p.state[i];
+  const double magnitude = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
+  const double b_A = drag_coefficient(law_, s[kVoidFraction], 2 * p.radius[i], magnitude, fluid_.density(),
+                                      fluid_.viscosity(), s[kSizeRatio]);
+  return formulation_A() ? b_A : b_A / s[kVoidFraction];
+}
+
+void Coupling::Impl::finish_step(Particles& p) {
+  if (!any_stiff_) return;
+  for (int i = 0; i < p.n; ++i)
+    if (p.takes_part(i))
+      for (int d = 0; d < 3; ++d) p.f[i][d] += p.state[i][kLateForce + d];
 }
 
 Coupling::Coupling(MPI_Comm comm, const Settings& settings, Fluid& fluid, const Vec3& sub_lo, const Vec3& sub_hi,
@@ -598,6 +691,9 @@ void Coupling::advance(Particles& p, int steps, double dem_dt) {
 }
 void Coupling::force(Particles& p, double dem_dt, bool accumulate) {
   impl_->force(p, dem_dt, accumulate);
+}
+void Coupling::finish_step(Particles& p) {
+  impl_->finish_step(p);
 }
 void Coupling::set_gravity(const Vec3& g) {
   impl_->gravity_ = g;

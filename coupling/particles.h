@@ -16,7 +16,9 @@ enum ParticleColumn {
   kDragCoefficient = 19,  ///< 19 b_p (kg/s)
   kSeenVelocity = 20,     ///< 20-22 fluid velocity the drag of the last step was computed with (m/s)
   kResponse = 23,         ///< 23 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
-  kParticleColumns = 24
+  kLateForce = 24,        ///< 24-26 what the second half of a stiff step's force has over the first (N); zero elsewhere
+  kSizeRatio = 27,        ///< 27 diameter over the local Sauter mean
+  kParticleColumns = 28
 };
 
 /// A view of this rank's own particles (no ghosts). Positions may lie up to half a skin outside the rank's box.

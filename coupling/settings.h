@@ -46,7 +46,6 @@ struct Settings {
   EpsBound bound = EpsBound::kMove;
   double eps_min = 0.3;                             ///< smallest void fraction allowed
   Interpolate interpolate = Interpolate::kSmooth;
-  double theta = 0.5;                               ///< of the semi-implicit drag: 1/2 Crank-Nicolson, 1 backward Euler
   Choice hold_flux = Choice::kAuto;                 ///< particles see the volume flux held, not the velocity
   OutputSettings output;
 };

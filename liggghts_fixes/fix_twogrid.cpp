@@ -369,6 +369,8 @@ void FixTwogrid::post_force(int) {
 }
 
 void FixTwogrid::end_of_step() {
+  Particles moved = particles();
+  coupling_->finish_step(moved);
   if (!coupled_now_) return;
   coupled_now_ = false;
   guarded([&] {

@@ -276,13 +276,6 @@ const std::vector<Keyword>& keywords() {
        [](Settings& s, Words& w) {
          s.interpolate = Interpolate(w.one_of("interpolate", {"smooth", "linear"}));
        }},
-      {"theta",
-       [](Settings& s, Words& w) {
-         const std::string found = w.peek();
-         s.theta = w.number("theta", "a number from 0.5 (Crank-Nicolson) to 1 (backward Euler)");
-         if (!(s.theta >= 0.5 && s.theta <= 1))
-           refuse("theta", found, "a number from 0.5 (Crank-Nicolson) to 1 (backward Euler)");
-       }},
       {"hold", [](Settings& s, Words& w) { s.hold_flux = choice(w, "hold"); }},
       {"one-way", [](Settings& s, Words& w) { s.one_way = w.yes_or_no("one-way"); }},
       {"initial",
