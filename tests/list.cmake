@@ -1,3 +1,36 @@
-# The tests, by name. Unit tests run whole on 1, 2, 4 and 8 ranks: what they check may not depend on the ranks.
-twogrid_test(NAME unit RANKS 1 2 4 8 TIMEOUT 120 LABELS unit COMMAND $<TARGET_FILE:unit_tests>)
-twogrid_test(NAME verification RANKS 1 2 TIMEOUT 400 LABELS verification COMMAND $<TARGET_FILE:verification_tests>)
+# The tests, by name.
+
+# Unit tests run whole on 1, 2, 4 and 8 ranks: what they check may not depend on the ranks.
+twogrid_test(NAME unit RANKS 1 2 4 8 TIMEOUT 200 LABELS unit COMMAND $<TARGET_FILE:unit_tests>)
+twogrid_test(NAME verification RANKS 1 2 TIMEOUT 600 LABELS verification COMMAND $<TARGET_FILE:verification_tests>)
+
+# system_test(name [TIMEOUT s] [RANKS n...]): tests/system/name.py EXECUTABLE RANKS..., which starts mpirun itself.
+function(system_test name)
+  cmake_parse_arguments(T "" "TIMEOUT" "RANKS" ${ARGN})
+  if(NOT T_TIMEOUT)
+    set(T_TIMEOUT 300)
+  endif()
+  add_test(NAME ${name} COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/system/${name}.py $<TARGET_FILE:twogrid>
+                                ${T_RANKS})
+  set(most 1)
+  foreach(n ${T_RANKS})
+    if(n GREATER most)
+      set(most ${n})
+    endif()
+  endforeach()
+  if(most GREATER 2)
+    set(most 2)
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${T_TIMEOUT} LABELS system PROCESSORS ${most})
+endfunction()
+
+system_test(bad_input RANKS 1 TIMEOUT 400)
+system_test(momentum RANKS 1 2)
+system_test(action_reaction RANKS 2)
+system_test(continuity RANKS 1 2)
+system_test(ranks RANKS 2 4 8)
+system_test(scripts RANKS 1 2)
+system_test(one_particle RANKS 1)
+system_test(fixed_bed RANKS 1)
+system_test(bed_balance RANKS 2)
+system_test(methods RANKS 1)
