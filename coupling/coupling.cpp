@@ -422,23 +422,34 @@ void Coupling::Impl::kick(Particles& p, double interval) {
   const FaceField<FineGrid>& mean = fluid_.mean_velocity();
   reader_.load(mean);
   Stencil w;
-  double u[3];
+  double u[3], size = 0;
+  std::array<Sum, 3> given;
   for (std::size_t q = 0; q < inside_.size(); ++q) {
     const int i = inside_[q];
     reader_.weights(p.x[i], w);
     reader_.at<3>(w, u);
+    const double scale = response_[q] * interval, inverse_mass = 1 / p.mass[i];
     for (int d = 0; d < 3; ++d) {
-      const double k = response_[q] * (u[d] - p.state[i][kSeenVelocity + d]) * interval;
-      p.v[i][d] += k / p.mass[i];
-      ledger_.action[d] += k;
-      ledger_.magnitude += std::abs(k);
+      const double k = scale * (u[d] - p.state[i][kSeenVelocity + d]);
+      p.v[i][d] += k * inverse_mass;
+      given[d] += k;
+      size += std::abs(k);
     }
   }
-  for (int d = 0; d < 3; ++d)
-    for_each(reader_.map().faces(d), [&](int i, int j, int k) {
-      const double f = exchange_.source[d](i, j, k) - exchange_.beta[d](i, j, k) * mean[d](i, j, k);
-      if (f != 0) ledger_.reaction[d] += f * reader_.map().face_volume(d, i, j, k) * interval;
-    });
+  for (int d = 0; d < 3; ++d) ledger_.action[d] += given[d].value();
+  ledger_.magnitude += size;
+  for (int d = 0; d < 3; ++d) {
+    const Box& b = reader_.map().faces(d);
+    for (int k = b.lo[2]; k < b.hi[2]; ++k)
+      for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+        double row = 0;  // plain within a row, compensated over rows
+        for (int i = b.lo[0]; i < b.hi[0]; ++i) {
+          const double f = exchange_.source[d](i, j, k) - exchange_.beta[d](i, j, k) * mean[d](i, j, k);
+          row += f * reader_.map().face_volume(d, i, j, k);
+        }
+        ledger_.reaction[d] += row * interval;
+      }
+  }
 }
 
 void Coupling::Impl::read(Particles& p, double interval) {
@@ -602,9 +613,9 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
     for (int d = 0; d < 3; ++d) {
       const double received = 0.5 * (first[d] + second[d]) - other[d];
       // In set-up the force is applied for half a step, in place of the half step that the last one would have had.
-      s[kImpulse + d] += accumulate ? received * dem_dt
-                                    : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] -
-                                                      0.5 * s[kLateForce + d]);
+      s[kImpulse + d] +=
+          accumulate ? received * dem_dt
+                     : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] - 0.5 * s[kLateForce + d]);
       s[kDragForce + d] = received - s[kPressureForce + d];
       s[kLateForce + d] = second[d] - first[d];
       if (add_path) s[kDisplacement + d] += p.v[i][d] * dem_dt;
@@ -614,8 +625,8 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
   }
 }
 
-/// Half kicks of a stiff step such that v at whole steps is the exact answer and v between them, which moves the particle,
-/// its exact mean. With G the steady force and w the slip at the mean velocity of the step that ends:
+/// Half kicks of a stiff step such that v at whole steps is the exact answer and v between them, which moves the
+/// particle, its exact mean. With G the steady force and w the slip at the mean velocity of the step that ends:
 ///   end of this step     first  = 2 (G + b w) [1 - (1 - phi)/(k phi)]
 ///   start of the next    second = 2 (G + b w_n) (1 - phi)/k,   w_n the slip at this step's end
 /// b by the drag law at the mean slip of the step in question (that of the next one by iteration). k_per_b = k/b.

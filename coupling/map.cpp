@@ -29,6 +29,18 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
   const std::vector<Box> below = grown(layout_.all_cells(), {1, 1, 1}, {0, 0, 0});
   below_ = BlockExchange(comm, layout_.all_cells(), below, grid_.n(), grid_.periodic());
   for (int d = 0; d < 3; ++d) {
+    const Axis& a = fine_.axis[d];
+    const int n = a.n(), r = grid_.ratio[d];
+    for (int i = 0; i < n; ++i) width_[d].push_back(a.width(i));
+    for (int i = 0; i <= n; ++i) {
+      const bool inside_below = a.periodic() || i > 0, inside_above = a.periodic() || i < n;
+      const double below = inside_below ? 0.5 * a.width(i - 1) : 0.0, above = inside_above ? 0.5 * a.width(i) : 0.0;
+      face_width_[d].push_back(below + above);
+      above_[d].push_back(i % r != 0 ? 1.0 : above / (below + above));
+      block_[d].push_back(i / r);
+    }
+  }
+  for (int d = 0; d < 3; ++d) {
     faces_[d] = fluid.layout().faces(d, rank);
     const Axis& a = fine_.axis[d];
     const int r = grid_.ratio[d];
@@ -52,13 +64,6 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
       inverse_[d](I, J, K) = sum > 0 ? 1 / sum : 0.0;
     });
   }
-}
-
-double Map::face_volume(int d, int i, int j, int k) const {
-  const Int3 c{i, j, k};
-  const Axis& a = fine_.axis[d];
-  const bool lo_side = !a.periodic() && c[d] == 0, hi_side = !a.periodic() && c[d] == a.n();
-  return 0.5 * ((lo_side ? 0 : a.width(c[d] - 1)) + (hi_side ? 0 : a.width(c[d]))) * fine_.area(d, i, j, k);
 }
 
 void Map::mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGrid>>& node) const {
@@ -110,31 +115,27 @@ Vec3 Map::spread(const std::array<const CellField<ParticleGrid>*, 3>& node, Face
   for (int d = 0; d < 3; ++d) {
     const Array3<FaceState>& state = fluid_->face_state(d);
     const CellField<ParticleGrid>& share = share_[d];
-    const Axis& a = fine_.axis[d];
-    const Int3 r = grid_.ratio;
+    const std::ptrdiff_t down = share.stride(d);
+    const Box& b = faces_[d];
     FaceComponent<FineGrid>& out = density[d];
-    for_each(faces_[d], [&](int i, int j, int k) {
-      if (state(i, j, k) == FaceState::kFixed) {
-        out(i, j, k) = 0;
-        return;
+    for (int k = b.lo[2]; k < b.hi[2]; ++k)
+      for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+        const std::ptrdiff_t row = share.index(0, block_[1][j], block_[2][k]);
+        const FaceState* fixed = &state.data()[state.index(b.lo[0], j, k)];
+        double* o = &out.data()[out.index(b.lo[0], j, k)];
+        for (int i = b.lo[0]; i < b.hi[0]; ++i, ++fixed, ++o) {
+          if (*fixed == FaceState::kFixed) {
+            *o = 0;
+            continue;
+          }
+          const double above = above_[d][d == 0 ? i : d == 1 ? j : k];
+          const std::ptrdiff_t m = row + block_[0][i];
+          double s = 0;
+          if (above > 0) s = above * share.data()[m];
+          if (above < 1) s += (1 - above) * share.data()[m - down];
+          *o = s;
+        }
       }
-      const Int3 c{i, j, k};
-      Int3 above{i / r[0], j / r[1], k / r[2]};
-      if (c[d] % r[d] != 0) {  // inside a block: W_nf = V_f
-        out(i, j, k) = share(above[0], above[1], above[2]);
-        return;
-      }
-      Int3 under = above;
-      --under[d];
-      const bool lo_side = !a.periodic() && c[d] == 0, hi_side = !a.periodic() && c[d] == a.n();
-      if (lo_side || hi_side) {
-        const Int3& n = lo_side ? above : under;
-        out(i, j, k) = share(n[0], n[1], n[2]);
-        return;
-      }
-      const double h0 = a.width(c[d] - 1), h1 = a.width(c[d]);
-      out(i, j, k) = (h0 * share(under[0], under[1], under[2]) + h1 * share(above[0], above[1], above[2])) / (h0 + h1);
-    });
   }
   return held_back;
 }

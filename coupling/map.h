@@ -34,7 +34,12 @@ class Map {
   /// Own fine faces normal to d.
   const Box& faces(int d) const { return faces_[d]; }
   /// V_f of an own face (m3).
-  double face_volume(int d, int i, int j, int k) const;
+  double face_volume(int d, int i, int j, int k) const {
+    const std::array<const double*, 3> w{width_[0].data(), width_[1].data(), width_[2].data()};
+    const Int3 c{i, j, k};
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    return face_width_[d][c[d]] * (w[e][c[e]] * w[f][c[f]]);
+  }
 
   /// `face` covers own faces and a halo of one, filled; `node` own nodes.
   void mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGrid>>& node) const;
@@ -50,6 +55,11 @@ class Map {
   Box own_;
   std::array<Box, 3> faces_;
   FineGrid fine_;
+  std::array<std::vector<double>, 3> width_;       // of fine cells (m)
+  std::array<std::vector<double>, 3> face_width_;  // of momentum volumes, their part inside the domain (m)
+  // Face i of direction d takes the share `above` of node [i / r] and 1 - above of the node below.
+  std::array<std::vector<double>, 3> above_;
+  std::array<std::vector<int>, 3> block_;        // node of fine cell i; of the last face: the last node
   std::array<std::vector<double>, 3> half_;      // [d][N (r + 1) + m]: width inside block N of its face m
   NodeVector<CellField<ParticleGrid>> inverse_;  // 1 / W_n, own nodes
   NodeVector<CellField<ParticleGrid>> share_;    // q_n / W_n on own nodes and those below

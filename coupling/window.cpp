@@ -76,18 +76,9 @@ void cube_weights(const Window::Span& a, double x, double edge, int& lo, int& n,
 
 }  // namespace
 
-int Window::Span::find(double x) const {
+int Window::Span::find_stretched(double x) const {
   const int n = hi - lo;
-  int i;
-  if (uniform) {
-    i = int(std::clamp((x - node[0]) * inverse_width, 0.0, n - 1.0));
-    // Rounding of the product must not put x on the wrong side of a node.
-    while (i > 0 && x < node[i]) --i;
-    while (i + 1 < n && x >= node[i + 1]) ++i;
-  } else {
-    i = std::clamp(int(std::upper_bound(node.begin(), node.end(), x) - node.begin()) - 1, 0, n - 1);
-  }
-  return i + lo;
+  return std::clamp(int(std::upper_bound(node.begin(), node.end(), x) - node.begin()) - 1, 0, n - 1) + lo;
 }
 
 Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region,
@@ -133,12 +124,11 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
   exchange_ = BlockExchange(comm, nodes.all_cells(), wanted, grid.n(), grid.periodic());
 }
 
-void Window::weights(const double x[3], Stencil& s) const {
+void Window::wide_weights(const double x[3], Stencil& s) const {
   for (int d = 0; d < 3; ++d) {
     const Span& a = span_[d];
     switch (spread_) {
-      case Spread::kCell:
-        s.lo[d] = a.find(x[d]), s.n[d] = 1, s.w[d][0] = 1;
+      case Spread::kCell:  // see weights()
         break;
       case Spread::kLinear:
         linear_weights(a, x[d], s.lo[d], s.n[d], s.w[d]);

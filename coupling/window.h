@@ -9,7 +9,7 @@
 
 #include <mpi.h>
 
-#include <memory>
+#include <algorithm>
 #include <vector>
 
 #include "../cfd/block_exchange.h"
@@ -45,7 +45,16 @@ class Window {
     double inverse_width = 0;  ///< mean nodes per metre
 
     /// Index of the node that holds x, lo <= x < hi; the outermost node of the window where x lies beyond.
-    int find(double x) const;
+    int find(double x) const {
+      const int n = hi - lo;
+      if (!uniform) return find_stretched(x);
+      int i = int(std::clamp((x - node[0]) * inverse_width, 0.0, n - 1.0));
+      // Rounding of the product must not put x on the wrong side of a node.
+      while (i > 0 && x < node[i]) --i;
+      while (i + 1 < n && x >= node[i + 1]) ++i;
+      return i + lo;
+    }
+    int find_stretched(double x) const;
     double low(int i) const { return node[i - lo]; }
     double high(int i) const { return node[i + 1 - lo]; }
   };
@@ -66,7 +75,13 @@ class Window {
            x[2] >= span_[2].x_lo && x[2] <= span_[2].x_hi;
   }
   /// Weights of a particle centred at x.
-  void weights(const double x[3], Stencil& s) const;
+  void weights(const double x[3], Stencil& s) const {
+    if (spread_ != Spread::kCell) {
+      wide_weights(x, s);
+      return;
+    }
+    for (int d = 0; d < 3; ++d) s.lo[d] = span_[d].find(x[d]), s.n[d] = 1, s.w[d][0] = 1;
+  }
 
   /// Window <- owners. Collective.
   template <class T>
@@ -79,6 +94,8 @@ class Window {
   }
 
  private:
+  void wide_weights(const double x[3], Stencil& s) const;
+
   Box box_;
   std::array<Span, 3> span_;
   Spread spread_ = Spread::kCell;

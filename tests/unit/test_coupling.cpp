@@ -178,7 +178,7 @@ double settle(MPI_Comm comm, Formulation form, bool closed, double rho_p, double
   else
     open_box(s);
   s.begin();
-  const int count = std::max(12, int(16 / k));
+  const int count = std::clamp(int(30 / k), 12, 1000);
   const double want = steady_slip(rho_p);
   double largest = 0, slip = 0;
   for (int n = 0; n < count; ++n) {
@@ -201,8 +201,8 @@ TEST(CouplingSettling, StableWithTheRightSlip) {
   int number = 0;
   for (Formulation form : {Formulation::kA, Formulation::kB})
     for (bool closed : {true, false})
-      for (double rho_p : {0.8, 1.05, 2.5, 1000.0})
-        for (double k : {0.01, 0.1, 0.2, 1.0, 5.0, 20.0, 100.0})
+      for (double rho_p : {0.8, 2.5, 1000.0})
+        for (double k : {0.01, 0.1, 0.5, 1.0, 5.0, 20.0, 100.0})
           if (number++ % size_of(MPI_COMM_WORLD) == rank_of(MPI_COMM_WORLD))
             settle(MPI_COMM_SELF, form, closed, rho_p, k);
 }
