@@ -1,8 +1,9 @@
 // The lid-driven cavity. Without it, a wrong convective term of a recirculating flow, or wrong walls and corners, would
 // pass: the analytic flows have no net convection near walls. References: U. Ghia, K. N. Ghia, C. T. Shin, J. Comput.
 // Phys. 48 (1982) 387-411, tables I and II (129 x 129 multigrid); at Re = 1000 also O. Botella, R. Peyret, Comput.
-// Fluids 27 (1998) 421-433, tables 9 and 10 (spectral), since Ghia's v in the thin layer at the right wall (x = 0.945
-// to 0.969) is off theirs by 0.014 to 0.019 of the lid's speed, more than the bound of this test.
+// Fluids 27 (1998) 421-433, tables 9 and 10 (spectral). In the thin layer at the right wall (x = 0.906 to 0.969, five
+// points) the two references differ by 0.011 to 0.019 of the lid's speed, more than the bound of this test: there only
+// the spectral one decides.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,11 +33,6 @@ const double kSpectralU1000[kPoints] = {0.6644227,  0.5808359,  0.5169277,  0.47
 const double kSpectralV1000[kPoints] = {-0.2279225, -0.2936869, -0.3553213, -0.4103754, -0.5264392,
                                         -0.4264545, -0.3202137, 0.0257995,  0.3253592,  0.3339924,
                                         0.3769189,  0.3330442,  0.3099097,  0.2962703,  0.2807056};
-// Points of u, then of v, at which Ghia's table is compared point by point at Re = 1000: all but the thin layer's four.
-bool in_thin_layer(int point) {
-  return point >= kPoints && point < kPoints + 4;
-}
-
 /// A steady cavity: positions and values of a velocity component on a tensor grid, walls included.
 struct Component {
   std::vector<double> x, y, value;
@@ -175,18 +171,18 @@ TEST(Cavity, Reynolds100) {
 
 TEST(Cavity, Reynolds1000) {
   const auto ghia = table(kU1000, kV1000), spectral = table(kSpectralU1000, kSpectralV1000);
-  const Lines x = solve(1000, {12, 24, 48}, {60, 40, 36}, 1.1, Convection::kCentral);
-  double bulk = 0;
+  const Lines x = solve(1000, {12, 24, 48}, {60, 60, 40}, 1.3, Convection::kCentral);
+  double bulk = 0;  // largest difference to Ghia et al. where the references agree
   for (int q = 0; q < 2 * kPoints; ++q)
-    if (!in_thin_layer(q)) bulk = std::max(bulk, std::abs(x.extrapolated[q] - ghia[q]));
+    if (std::abs(ghia[q] - spectral[q]) < 0.01) bulk = std::max(bulk, std::abs(x.extrapolated[q] - ghia[q]));
   const double order = std::log2(rms(x.grid[1], spectral) / rms(x.grid[2], spectral));
   report(
-      "cavity Re 1000, central, 24 48 cells, extrapolated: to Ghia et al. rms %.4f, largest %.4f, outside the thin "
-      "layer %.4f; to Botella and Peyret rms %.4f, largest %.4f; order %.2f\n",
+      "cavity Re 1000, central, 24 48 cells, extrapolated: to Ghia et al. rms %.4f, largest %.4f, where the references "
+      "agree %.4f; to Botella and Peyret rms %.4f, largest %.4f; order %.2f\n",
       rms(x.extrapolated, ghia), worst(x.extrapolated, ghia), bulk, rms(x.extrapolated, spectral),
       worst(x.extrapolated, spectral), order);
   EXPECT_LT(rms(x.extrapolated, ghia), 0.01);
   EXPECT_LT(bulk, 0.01);
-  EXPECT_LT(rms(x.extrapolated, spectral), 0.01);
+  EXPECT_LT(worst(x.extrapolated, spectral), 0.01);
   EXPECT_GT(order, 1.8);
 }
