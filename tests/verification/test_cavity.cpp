@@ -1,7 +1,7 @@
 // The lid-driven cavity. Without it, a wrong convective term of a recirculating flow, or wrong walls and corners, would
 // pass: the analytic flows have no net convection near walls. References: U. Ghia, K. N. Ghia, C. T. Shin, J. Comput.
 // Phys. 48 (1982) 387-411, tables I and II (129 x 129 multigrid); at Re = 1000 also O. Botella, R. Peyret, Comput.
-// Fluids 27 (1998) 421-433, tables 9 and 10 (spectral). In the thin layer at the right wall (x = 0.906 to 0.969, five
+// Fluids 27 (1998) 421-433 (spectral). In the thin layer at the right wall (x = 0.906 to 0.969, five
 // points) the two references differ by 0.011 to 0.019 of the lid's speed, more than the bound of this test: there only
 // the spectral one decides.
 #include <gtest/gtest.h>
