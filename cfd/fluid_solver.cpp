@@ -1,7 +1,5 @@
 #include "fluid_solver.h"
 
-#include <petscsys.h>
-
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -52,11 +50,6 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
              own_.empty() ? Box{} : layout.faces(2, rank_)},
       boundaries_(comm, grid_, layout_, settings_),
       momentum_(grid_, own_, local_, faces_) {
-  PetscBool given = PETSC_FALSE;
-  PetscReal rtol = 0;
-  PetscOptionsGetReal(nullptr, nullptr, "-fluid_pressure_rtol", &rtol, &given);
-  if (given) settings_.pressure_rtol = rtol;
-
   const auto wanted = with_halo(layout_.all_cells());
   cell_halo_ = BlockExchange(comm_, layout_.all_cells(), wanted, grid_.n(), grid_.periodic());
   for (int d = 0; d < 3; ++d)
@@ -403,7 +396,7 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
   const double cell_volume = total_volume / cells, h = std::cbrt(cell_volume);
   // Not below what rounding leaves of the flows and of the differences of eps.
   const double rounding = 4e-16 * (6 * scale / h + step.a0 / step.dt);
-  const double atol = std::max(settings_.pressure_rtol * scale / h, rounding) * cell_volume * std::sqrt(cells);
+  const double atol = std::max(pressure_solver_->rtol() * scale / h, rounding) * cell_volume * std::sqrt(cells);
   phi_.fill(0);
   report.pressure_iterations += pressure_solver_->solve(imbalance_, phi_, atol);
 }
@@ -449,13 +442,19 @@ void FluidSolver::hold_flow_rate(const Interphase& exchange) {
     face_halo_[d].bring<double>(g);
     double total_volume = 1;
     for (int a = 0; a < 3; ++a) total_volume *= grid_.axis[a].length();
+    double largest = 0;
     for_each(own_, [&](int i, int j, int k) {
       const std::ptrdiff_t m = p_.index(i, j, k);
       const Int3 x{i, j, k};
+      largest = std::max(largest, g.data()[m] * momentum_.axis(d).face_width(x[d]));
       response_rhs_.data()[m] = -(g.data()[m + s] * momentum_.axis(d).face_width(x[d] + 1) -
                                   g.data()[m] * momentum_.axis(d).face_width(x[d]));
     });
-    pressure_solver_->solve(response_rhs_, response_, 0);
+    // Where the conductance is uniform, what stands on the right is rounding alone.
+    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
+    const double cells = double(grid_.n()[0]) * grid_.n()[1] * grid_.n()[2];
+    const double target = std::max(pressure_solver_->rtol(), 4e-15) * largest * std::sqrt(cells);
+    pressure_solver_->solve(response_rhs_, response_, target);
     fill(response_);
     boundaries_.apply_correction(response_);
     // Mean flux now, and its answer to a unit gradient.

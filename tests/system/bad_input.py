@@ -107,7 +107,6 @@ wrong("unknown keyword of fix_modify", ["colour", "unknown", "drag"], modify="co
 wrong("unknown drag law", ["drag", "newton", "ergun/wenyu"], modify="drag newton")
 wrong("formulation C", ["formulation", "C", "A or B"], modify="formulation C")
 wrong("eps bound above 1", ["eps bound", "1.4"], modify="eps bound move 1.4")
-wrong("theta", ["theta", "0.2"], modify="theta 0.2")
 wrong("a model", ["model", "turbulence"], modify="model turbulence k-omega")
 wrong("unknown side", ["boundary", "top", "zhi"], modify="boundary top slip")
 wrong("unknown condition", ["boundary xlo", "sticky", "noslip"], modify="boundary xlo sticky")

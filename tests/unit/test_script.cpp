@@ -89,7 +89,7 @@ TEST(ScriptFix, SentencesNameKeywordValueAndWish) {
 TEST(ScriptModify, EveryKeywordReachesItsMember) {
   Script s = fix();
   modify(s, "drag kochhill formulation A deposit exact prolong linear read kernel 0.002 eps bound clip 0.35");
-  modify(s, "interpolate linear theta 1 hold off one-way yes initial u 1 2 3 cfl 0.7 dt 1e-4 convection central");
+  modify(s, "interpolate linear hold off one-way yes initial u 1 2 3 cfl 0.7 dt 1e-4 convection central");
   modify(s, "implicit on gap friction on pressure_gradient 0 0 -5 flow_rate y 0.2 tolerance 1e-8");
   modify(s, "output every 20 file bed.h5 fields u eps particles no average from 0.5 drag wenyu");
   const Settings& t = s.settings;
@@ -102,7 +102,6 @@ TEST(ScriptModify, EveryKeywordReachesItsMember) {
   EXPECT_EQ(t.bound, EpsBound::kClip);
   EXPECT_EQ(t.eps_min, 0.35);
   EXPECT_EQ(t.interpolate, Interpolate::kLinear);
-  EXPECT_EQ(t.theta, 1);
   EXPECT_EQ(t.hold_flux, Choice::kOff);
   EXPECT_TRUE(t.one_way);
   EXPECT_EQ(t.fluid.initial_velocity, (Vec3{1, 2, 3}));
