@@ -84,11 +84,15 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
     s.face = is_high(side) ? axis.n() : 0;
     s.inner = is_high(side) ? axis.n() - 1 : 0;
     s.step = is_high(side) ? -1 : 1;
-    s.here = !own.empty() && (is_high(side) ? own.hi[s.d] == axis.n() : own.lo[s.d] == 0);
-    if (s.here) {
+    const bool touches = !own.empty() && (is_high(side) ? own.hi[s.d] == axis.n() : own.lo[s.d] == 0);
+    // A halo reaches the ghosts beyond a side over a neighbour that is one cell thick: they are needed there too.
+    s.here = !own.empty() && (is_high(side) ? local_.hi[s.d] > axis.n() : local_.lo[s.d] < 0);
+    if (touches) {
       s.own = own;
       s.own.lo[s.d] = s.face;
       s.own.hi[s.d] = s.face + 1;
+    }
+    if (s.here) {
       s.lo_e = local_.lo[s.e], s.n_e = local_.size(s.e);
       s.lo_f = local_.lo[s.f], s.n_f = local_.size(s.f);
       const std::size_t count = std::size_t(s.n_e) * s.n_f;
@@ -106,8 +110,8 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
           const int m = s.at(a, b);
           for (int c = 0; c < int(conditions.size()); ++c)
             if (covers(conditions[c].shape, x, s.e, s.f)) s.condition[m] = c;
-          const bool mine =
-              ia == a && ib == b && a >= own.lo[s.e] && a < own.hi[s.e] && b >= own.lo[s.f] && b < own.hi[s.f];
+          const bool mine = touches && ia == a && ib == b && a >= own.lo[s.e] && a < own.hi[s.e] && b >= own.lo[s.f] &&
+                            b < own.hi[s.f];
           if (mine) ++covered[side][s.condition[m]];
           const BoundaryCondition& c = conditions[s.condition[m]];
           std::array<double, 4> extent = c.shape.value;
@@ -249,6 +253,7 @@ void Boundaries::apply(FaceField<FineGrid>& u, bool homogeneous) const {
             Int3 in = c, out = c;
             in[s.d] = s.inner + s.step * g;
             out[s.d] = s.inner - s.step * (1 + g);
+            if (out[s.d] < local_.lo[s.d] || out[s.d] >= local_.hi[s.d]) continue;
             if (in[s.d] < local_.lo[s.d] || in[s.d] >= local_.hi[s.d]) in[s.d] = s.inner;
             v(out[0], out[1], out[2]) = s.slope[t][m] * v(in[0], in[1], in[2]) + on * s.offset[t][m];
           }

@@ -58,7 +58,7 @@ class Boundaries {
 
  private:
   struct SideData {
-    bool here = false;                                 // this rank has cells at the side
+    bool here = false;                                 // this rank's cells or halo reach beyond the side
     int d = 0, e = 0, f = 0;                           // normal, tangential directions (ascending)
     int face = 0;                                      // index of the boundary face in d
     int inner = 0, step = 0;                           // first inner cell; +1: inwards is up

@@ -20,9 +20,11 @@ struct CfdBox {
   std::unique_ptr<FluidSolver> fluid;
   CellField<FineGrid> eps_begin, eps_end;  // own cells and halo of two
 
-  /// Ranks are dealt to the directions by MPI_Dims_create, at most one rank a cell.
+  using Cuts = std::array<std::vector<int>, 3>;
+
+  /// Without cuts, ranks are dealt to the directions by MPI_Dims_create, at most one rank a cell.
   CfdBox(const std::array<std::vector<double>, 3>& nodes, const std::array<bool, 3>& periodic, const FluidSettings& s,
-         MPI_Comm comm = MPI_COMM_WORLD)
+         MPI_Comm comm = MPI_COMM_WORLD, const Cuts* given = nullptr)
       : comm_(comm) {
     for (int d = 0; d < 3; ++d) grid.axis[d] = Axis(nodes[d], periodic[d]);
     int ranks;
@@ -32,8 +34,8 @@ struct CfdBox {
     for (int d = 0; d < 3; ++d)
       if (grid.axis[d].n() < ranks) dims[d] = 1;
     MPI_Dims_create(ranks, 3, dims.data());
-    std::array<std::vector<int>, 3> cuts;
-    for (int d = 0; d < 3; ++d) cuts[d] = cuts_even(grid.axis[d], dims[d]);
+    Cuts cuts;
+    for (int d = 0; d < 3; ++d) cuts[d] = given ? (*given)[d] : cuts_even(grid.axis[d], dims[d]);
     layout = Layout(grid, cuts);
     fluid = std::make_unique<FluidSolver>(comm, grid, layout, s);
     const Box own = layout.cells(rank_), local = own.empty() ? Box{} : own.grown(Fluid::kHalo);

@@ -282,7 +282,7 @@ struct Turned {
   std::vector<double> p;
 };
 
-Turned jet(int turn, bool mirrored, MPI_Comm comm) {
+Turned jet(int turn, bool mirrored, MPI_Comm comm, const CfdBox::Cuts* cuts = nullptr) {
   const Int3 n{8, 6, 10};  // along the flow's axes
   const std::array<double, 3> length{0.01, 0.008, 0.02};
   std::array<int, 3> dir{turn, (turn + 1) % 3, (turn + 2) % 3};
@@ -308,7 +308,7 @@ Turned jet(int turn, bool mirrored, MPI_Comm comm) {
   };
   patch.velocity[dir[2]] = 10;
   s.side[2 * dir[2]] = {condition(BoundaryKind::kNoSlip), patch};
-  CfdBox box(nodes, {false, false, false}, s, comm);
+  CfdBox box(nodes, {false, false, false}, s, comm, cuts);
   auto eps = [&](double t) -> Function {
     return [&, t](double x, double y, double z) {
       const Vec3 q = flow_at({x, y, z});
@@ -391,4 +391,26 @@ TEST(Ranks, SameFlowOnOneAndAll) {
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   report("jet on 1 and on %d ranks: differs by %.1e\n", ranks, e);
   EXPECT_LT(e, 1e-9);
+}
+
+TEST(Ranks, SameFlowBesideRanksOneCellThick) {
+  // A halo of two reaches over such a rank to the ghosts beyond a side, which no rank owns. Without the test they may
+  // stay as they were, and only flow towards the inside of the domain, near a wall, would show it.
+  int ranks;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  const Turned alone = jet(0, false, MPI_COMM_SELF);
+  const Int3 n{8, 6, 10};
+  for (int d = 0; d < 3; ++d)
+    for (bool high : {false, true}) {
+      if (ranks > n[d]) continue;
+      CfdBox::Cuts cuts;
+      for (int e = 0; e < 3; ++e) {
+        cuts[e] = {0};
+        for (int a = 1; e == d && a < ranks; ++a) cuts[e].push_back(high ? n[e] - ranks + a : a);
+        cuts[e].push_back(n[e]);
+      }
+      const double e = difference(alone, jet(0, false, MPI_COMM_WORLD, &cuts));
+      report("jet, ranks one cell thick at the %s side in %c: differs by %.1e\n", high ? "high" : "low", "xyz"[d], e);
+      EXPECT_LT(e, 1e-9);
+    }
 }
