@@ -168,7 +168,7 @@ def draw(bed, folder, L):
     print("pictures:")
     for name, figure in pictures.items():
         path = os.path.join(folder, name + ".png")
-        figure.savefig(path, dpi=130)
+        figure.savefig(path, dpi=110, bbox_inches="tight")
         print("  " + os.path.relpath(path))
 
 

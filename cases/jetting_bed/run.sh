@@ -1,7 +1,7 @@
 #!/bin/sh
 # The jetting bed from a bare checkout to its pictures: installs what is missing, builds, runs on all cores, compares,
 # draws.   run.sh [--long] [-var NAME VALUE ...]
-#   --long   6 s instead of 1.2 s of gas, means from 1 s on
+#   --long   6 s instead of 0.75 s of gas, means from 1 s on
 #   -var     any of the choices at the top of in.jetting_bed, such as -var jets 3 -var U 9
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
