@@ -73,7 +73,7 @@ def measure(folder):
     Umf = velocity_at(weight, a, b)
     at_rest = [(x, r) for s, x, r in beds if step[fixed].min() <= s <= step[fixed].max()]
     ergun = np.mean([ergun_velocity(x, r, weight) for x, r in at_rest])
-    eps = np.mean([void_fractions(x, r)[0][2:-3] for x, r in at_rest])
+    eps = np.mean(np.concatenate([void_fractions(x, r)[0][2:-3] for x, r in at_rest]))
     middle = velocity_at((1 - eps) * (RHO_P - RHO_F) * G, *ergun_factors(eps, 2 * radius.mean()))
     return dict(U=U, dp=dp, falling=falling, a=a, b=b, weight=weight, Umf=Umf, eps=eps, ergun=ergun, middle=middle,
                 plateau=dp[falling & (U > 1.03 * Umf)], particles=len(radius), beds=len(at_rest))
