@@ -214,7 +214,7 @@ void Coupling::Impl::start(Particles& p, double dem_dt) {
 }
 
 // One interval D = steps dem_dt, t^{n-1} -> t^n; particles at x(t^n). Momentum of particle p in the interval: impulse
-// I_p (received by the semi-implicit forces of the DEM steps) and kick K_p.
+// I_p (received by the forces of the DEM steps) and kick K_p.
 //   wrap_up   d_p = path/D;  u_ref = what the drag sees now;  b'_p = (m_p/D) (1 - exp(-b_p D/m_p))
 //   deposit   V_p -> eps^n on the nodes, bounded -> on the fine cells
 //   react     V_f source_f = sum_p w_pf (b'_p u_ref - I_p/D),   V_f beta_f = sum_p w_pf b'_p

@@ -9,7 +9,7 @@
 //   4 kick      what the implicit part changed, b'_p (u_read - u_seen) Dt, goes to the particles at once: the sum of
 //               momenta of fluid and particles is kept to round-off
 //   5 read      u, grad p, eps at the particles; b_p by the drag law
-// Then, at every DEM step: force() adds drag (semi-implicit) and pressure gradient force.
+// Then, at every DEM step: force() adds drag (exponential integrator), pressure gradient force and buoyancy.
 //
 // Order in a DEM step: half kick and drift, advance() if it is a coupling step, all other forces, force(), half kick.
 // So at advance() v is the velocity that carried the particles to x(t^n), and all earlier forces are in it in full. In
@@ -65,8 +65,8 @@ class Coupling {
   void start(Particles& p, double dem_dt);
   /// Steps 1-5 above for an interval of `steps` DEM steps of dem_dt seconds. Collective.
   void advance(Particles& p, int steps, double dem_dt);
-  /// Every DEM step, after all other forces: f += drag + pressure gradient force, semi-implicit; sums up impulses.
-  /// Collective only while holding the flux. accumulate = false in set-up: forces only.
+  /// Every DEM step, after all other forces: f += drag + pressure gradient force + buoyancy, by an exponential
+  /// integrator; sums up impulses. Collective only while holding the flux. accumulate = false in set-up: forces only.
   void force(Particles& p, double dem_dt, bool accumulate = true);
 
   /// At the end of every DEM step, after the last half kick: turns the force into that of the next half kick. Differs

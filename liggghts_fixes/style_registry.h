@@ -8,7 +8,7 @@ class LAMMPS;
 namespace twogrid {
 
 /// Registers fix twogrid, and a `run` command that first moves fix twogrid behind all fixes that add forces: the
-/// semi-implicit drag rescales the total force, so that it has to come last. To be called once, right after LAMMPS is
+/// drag rescales the total force, so that it has to come last. To be called once, right after LAMMPS is
 /// made. Not collective.
 void register_styles(LAMMPS_NS::LAMMPS& lammps);
 

@@ -26,10 +26,9 @@ px=$ranks pz=1
 if [ "$ranks" -ge 4 ] && [ $((ranks % 2)) -eq 0 ]; then px=$((ranks / 2)) pz=2; fi
 
 echo "jetting bed: $ranks ranks, results in $out"
-"$here"/../mpirun.sh "$ranks" "$here"/../../build/twogrid -in "$here"/in.jetting_bed -log "$out"/log.liggghts \
-  -var out "$out" -var px $px -var pz $pz $long "$@" | grep --line-buffered -E "^twogrid: |^WARNING: fix|^ERROR" || true
-[ -s "$out"/now.txt ] && tail -n 400 "$out"/log.liggghts | grep -q "shares of CPU time" || {
-  echo "the run did not come to its end, see $out/log.liggghts" >&2
-  exit 1
-}
+rm -f "$out"/finished
+{ "$here"/../mpirun.sh "$ranks" "$here"/../../build/twogrid -in "$here"/in.jetting_bed -log "$out"/log.liggghts \
+    -var out "$out" -var px $px -var pz $pz $long "$@" && touch "$out"/finished; } 2>&1 |
+  grep --line-buffered -E "^twogrid: |^WARNING: fix|^ERROR" || true
+[ -f "$out"/finished ] || { echo "the run did not come to its end, see $out/log.liggghts" >&2; exit 1; }
 exec "$here"/compare.py "$out"
