@@ -109,7 +109,6 @@ class Coupling::Impl {
   void close_ledger(double interval);
   MeanMotion& motion();
 
-  void find_slack();
   bool formulation_A() const { return settings_.formulation == Formulation::kA; }
   bool inside(const double x[3]) const;
   double law_at(const Particles& p, int i, const Vec3& slip) const;
@@ -120,7 +119,6 @@ class Coupling::Impl {
   Settings settings_;
   const DragLaw& law_;
   ParticleRegion region_;
-  std::array<double, 6> slack_{};  // how far beyond a side a particle still counts as inside (m)
   ParticleGrid nodes_;
   VolumeDeposit volume_deposit_;
   SolidLimit limit_;
@@ -170,21 +168,6 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
   solid_.reset(own_nodes);
   eps_node_.reset(grown_unless_empty(own_nodes, 1), 1.0);
   if (formulation_A()) residual_ = Residual(comm_, fluid_);
-  find_slack();
-}
-
-/// A particle a little beyond the box is still there, until it is exchanged. Where the box goes on beyond the fluid's
-/// domain, such a particle has no place in it.
-void Coupling::Impl::find_slack() {
-  double reaches[6], box[6];  // upwards
-  for (int d = 0; d < 3; ++d) reaches[2 * d] = -region_.lo[d], reaches[2 * d + 1] = region_.hi[d];
-  MPI_Allreduce(reaches, box, 6, MPI_DOUBLE, MPI_MAX, comm_);
-  for (int d = 0; d < 3; ++d) {
-    const Axis& a = nodes_.axis[d];
-    const double same = 1e-9 * a.length();
-    slack_[2 * d] = a.lo() + box[2 * d] < same ? region_.reach : 0.0;
-    slack_[2 * d + 1] = box[2 * d + 1] - a.hi() < same ? region_.reach : 0.0;
-  }
 }
 
 void Coupling::Impl::start(Particles& p, double dem_dt) {
@@ -251,7 +234,7 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt) {
 bool Coupling::Impl::inside(const double x[3]) const {
   for (int d = 0; d < 3; ++d) {
     const Axis& a = nodes_.axis[d];
-    if (!a.periodic() && (x[d] < a.lo() - slack_[2 * d] || x[d] > a.hi() + slack_[2 * d + 1])) return false;
+    if (!a.periodic() && (x[d] < a.lo() - region_.reach || x[d] > a.hi() + region_.reach)) return false;
   }
   return true;
 }
@@ -334,8 +317,7 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
 }
 
 void Coupling::Impl::reduce(const Particles& p, Extremes& mine) {
-  long long count[5] = {(long long)inside_.size(), (long long)new_.size(), 0, 0, (long long)leaving_.size()},
-            all_counts[5];
+  long long count[4] = {(long long)inside_.size(), (long long)new_.size(), 0, 0}, all_counts[4];
   for (int i : inside_) {
     mine.radius = std::max(mine.radius, p.radius[i]);
     mine.minus_radius = std::max(mine.minus_radius, -p.radius[i]);
@@ -351,7 +333,7 @@ void Coupling::Impl::reduce(const Particles& p, Extremes& mine) {
                              mine.reaction, mine.response,     double(mine.bad_tag)};
   double all[6];
   MPI_Allreduce(largest, all, 6, MPI_DOUBLE, MPI_MAX, comm_);
-  MPI_Allreduce(count, all_counts, 5, MPI_LONG_LONG, MPI_SUM, comm_);
+  MPI_Allreduce(count, all_counts, 4, MPI_LONG_LONG, MPI_SUM, comm_);
   if (all_counts[3] > 0)
     throw std::runtime_error(
         std::to_string(all_counts[3]) + " particles have a position, velocity or impulse that is " +
@@ -365,10 +347,9 @@ void Coupling::Impl::reduce(const Particles& p, Extremes& mine) {
   extremes_.reaction = all[3], extremes_.response = all[4];
   report_.particles = all_counts[0];
   new_count_ = all_counts[1];
-  // Most particles a node's sum can hold: all of them, or what sixteen times its volume holds; and those that leave.
+  // Most particles a node's sum can hold: all of them, or what sixteen times its volume holds.
   const double smallest = all_counts[0] > 0 ? sphere_volume(-extremes_.minus_radius) : 1.0;
-  terms_ = std::max(
-      1.0, std::min(double(all_counts[0]), 16 * (nodes_.largest_volume() / smallest + 1)) + double(all_counts[4]));
+  terms_ = std::max(1.0, std::min(double(all_counts[0]), 16 * (nodes_.largest_volume() / smallest + 1)));
 }
 
 void Coupling::Impl::deposit(const Particles& p) {
