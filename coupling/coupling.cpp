@@ -317,7 +317,8 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
 }
 
 void Coupling::Impl::reduce(const Particles& p, Extremes& mine) {
-  long long count[4] = {(long long)inside_.size(), (long long)new_.size(), 0, 0}, all_counts[4];
+  long long count[5] = {(long long)inside_.size(), (long long)new_.size(), 0, 0, (long long)leaving_.size()},
+            all_counts[5];
   for (int i : inside_) {
     mine.radius = std::max(mine.radius, p.radius[i]);
     mine.minus_radius = std::max(mine.minus_radius, -p.radius[i]);
@@ -333,7 +334,7 @@ void Coupling::Impl::reduce(const Particles& p, Extremes& mine) {
                              mine.reaction, mine.response,     double(mine.bad_tag)};
   double all[6];
   MPI_Allreduce(largest, all, 6, MPI_DOUBLE, MPI_MAX, comm_);
-  MPI_Allreduce(count, all_counts, 4, MPI_LONG_LONG, MPI_SUM, comm_);
+  MPI_Allreduce(count, all_counts, 5, MPI_LONG_LONG, MPI_SUM, comm_);
   if (all_counts[3] > 0)
     throw std::runtime_error(
         std::to_string(all_counts[3]) + " particles have a position, velocity or impulse that is " +
@@ -347,9 +348,10 @@ void Coupling::Impl::reduce(const Particles& p, Extremes& mine) {
   extremes_.reaction = all[3], extremes_.response = all[4];
   report_.particles = all_counts[0];
   new_count_ = all_counts[1];
-  // Most particles a node's sum can hold: all of them, or what sixteen times its volume holds.
+  // Most particles a node's sum can hold: all of them, or what sixteen times its volume holds; and those that leave.
   const double smallest = all_counts[0] > 0 ? sphere_volume(-extremes_.minus_radius) : 1.0;
-  terms_ = std::max(1.0, std::min(double(all_counts[0]), 16 * (nodes_.largest_volume() / smallest + 1)));
+  terms_ = std::max(
+      1.0, std::min(double(all_counts[0]), 16 * (nodes_.largest_volume() / smallest + 1)) + double(all_counts[4]));
 }
 
 void Coupling::Impl::deposit(const Particles& p) {
