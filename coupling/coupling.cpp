@@ -109,6 +109,7 @@ class Coupling::Impl {
   void close_ledger(double interval);
   MeanMotion& motion();
 
+  void find_slack();
   bool formulation_A() const { return settings_.formulation == Formulation::kA; }
   bool inside(const double x[3]) const;
   double law_at(const Particles& p, int i, const Vec3& slip) const;
@@ -119,6 +120,7 @@ class Coupling::Impl {
   Settings settings_;
   const DragLaw& law_;
   ParticleRegion region_;
+  std::array<double, 6> slack_{};  // how far beyond a side a particle still counts as inside (m)
   ParticleGrid nodes_;
   VolumeDeposit volume_deposit_;
   SolidLimit limit_;
@@ -168,6 +170,21 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
   solid_.reset(own_nodes);
   eps_node_.reset(grown_unless_empty(own_nodes, 1), 1.0);
   if (formulation_A()) residual_ = Residual(comm_, fluid_);
+  find_slack();
+}
+
+/// A particle a little beyond the box is still there, until it is exchanged. Where the box goes on beyond the fluid's
+/// domain, such a particle has no place in it.
+void Coupling::Impl::find_slack() {
+  double reaches[6], box[6];  // upwards
+  for (int d = 0; d < 3; ++d) reaches[2 * d] = -region_.lo[d], reaches[2 * d + 1] = region_.hi[d];
+  MPI_Allreduce(reaches, box, 6, MPI_DOUBLE, MPI_MAX, comm_);
+  for (int d = 0; d < 3; ++d) {
+    const Axis& a = nodes_.axis[d];
+    const double same = 1e-9 * a.length();
+    slack_[2 * d] = a.lo() + box[2 * d] < same ? region_.reach : 0.0;
+    slack_[2 * d + 1] = box[2 * d + 1] - a.hi() < same ? region_.reach : 0.0;
+  }
 }
 
 void Coupling::Impl::start(Particles& p, double dem_dt) {
@@ -234,7 +251,7 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt) {
 bool Coupling::Impl::inside(const double x[3]) const {
   for (int d = 0; d < 3; ++d) {
     const Axis& a = nodes_.axis[d];
-    if (!a.periodic() && (x[d] < a.lo() - region_.reach || x[d] > a.hi() + region_.reach)) return false;
+    if (!a.periodic() && (x[d] < a.lo() - slack_[2 * d] || x[d] > a.hi() + slack_[2 * d + 1])) return false;
   }
   return true;
 }

@@ -265,8 +265,10 @@ struct SmallBox {
     const Bodies mine = share_of(one, grid, MPI_COMM_WORLD);
     if (mine.x.size() == 1) bodies.add(x, 0.05, 1000, v, tag);
   }
-  void begin() {
-    const ParticleRegion r = make_region(grid, MPI_COMM_WORLD, 0.02);
+  /// above: how far the box goes on above the fluid (m).
+  void begin(double above = 0) {
+    ParticleRegion r = make_region(grid, MPI_COMM_WORLD, 0.02);
+    if (r.hi[2] == grid.axis[2].hi()) r.hi[2] += above;
     coupling = std::make_unique<Coupling>(MPI_COMM_WORLD, settings, fluid, r.lo, r.hi, r.reach);
     Particles p = bodies.view();
     coupling->start(p, 1e-3);
@@ -430,6 +432,21 @@ TEST(CouplingLedger, AllParticlesLeaveAtOnce) {
   s.advance(5);
   EXPECT_EQ(s.coupling->report().particles, 0);
   EXPECT_LE(s.coupling->report().momentum_error, 1e-14);
+}
+
+// A particle a little outside the box is on its way out, and its volume still counts; where the box goes on, the
+// particles beside the fluid's domain are no part of it. Else a layer of half a skin of them would be squeezed into the
+// outermost nodes.
+TEST(CouplingDomain, EndsWhereTheBoxGoesOn) {
+  for (double above : {0.0, 1.0}) {
+    SmallBox s;
+    s.add({0.5, 0.5, 1.99}, {0, 0, 0}, 1);
+    s.add({0.5, 0.5, 2.01}, {0, 0, 0}, 2);
+    s.begin(above);
+    EXPECT_EQ(s.coupling->report().particles, above > 0 ? 1 : 2);
+    s.advance(5);
+    EXPECT_EQ(s.coupling->report().particles, above > 0 ? 1 : 2);
+  }
 }
 
 TEST(CouplingOneWay, TheFluidKnowsNothing) {
