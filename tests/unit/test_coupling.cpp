@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "coupling/coupling.h"
+#include "coupling/drag.h"
 #include "coupling_fakes.h"
 
 namespace twogrid_test {
@@ -259,11 +260,13 @@ struct SmallBox {
     settings.drag = "ergun/wenyu";
     settings.hold_flux = Choice::kOff;
   }
-  void add(const Vec3& x, const Vec3& v, int tag) {
+  void add(const Vec3& x, const Vec3& v, int tag, double radius = 0.05) { add(x, v, tag, radius, x); }
+  /// held_at: of the rank that has this place.
+  void add(const Vec3& x, const Vec3& v, int tag, double radius, const Vec3& held_at) {
     Bodies one;
-    one.add(x, 0.05, 1000, v, tag);
+    one.add(held_at, radius, 1000, v, tag);
     const Bodies mine = share_of(one, grid, MPI_COMM_WORLD);
-    if (mine.x.size() == 1) bodies.add(x, 0.05, 1000, v, tag);
+    if (mine.x.size() == 1) bodies.add(x, radius, 1000, v, tag);
   }
   /// above: how far the box goes on above the fluid (m).
   void begin(double above = 0) {
@@ -446,6 +449,51 @@ TEST(CouplingDomain, EndsWhereTheBoxGoesOn) {
     EXPECT_EQ(s.coupling->report().particles, above > 0 ? 1 : 2);
     s.advance(5);
     EXPECT_EQ(s.coupling->report().particles, above > 0 ? 1 : 2);
+  }
+}
+
+// Spheres of two sizes: y = d/<d> with the Sauter mean of the node, whoever holds its particles, and the drag law gets
+// it. With the arithmetic mean, or the mean of a rank's own particles, all monodisperse tests would pass.
+TEST(CouplingPolydisperse, SizeRatioIsThatOfTheNodesSauterMean) {
+  for (Formulation form : {Formulation::kA, Formulation::kB}) {
+    SmallBox s;
+    s.settings.drag = "beetstra/poly";
+    s.settings.formulation = form;
+    const double big = 0.05, small = 0.02;
+    // One node, x and y 0.5 to 0.75, z 1 to 1.25: a big one held by the rank below, and three small ones.
+    s.add({0.6, 0.6, 1.01}, {0, 0, 0}, 1, big, {0.6, 0.6, 0.99});
+    for (int q = 0; q < 3; ++q) s.add({0.55 + 0.05 * q, 0.7, 1.2}, {0, 0.3, 0}, 2 + q, small);
+    s.add({0.1, 0.1, 0.1}, {0, 0, 0}, 5, small);  // alone in its node
+    s.fluid.set(s.fluid.u_, [](int d, const Vec3& x) {
+      const bool wall = d == 2 && (x[2] < 1e-9 || x[2] > 2 - 1e-9);
+      return d == 2 && !wall ? 3.0 : 0.0;
+    });
+    s.fluid.mean_ = s.fluid.u_;
+    s.begin();
+    auto verify = [&] {
+      const double sauter = 2 * (std::pow(big, 3) + 3 * std::pow(small, 3)) / (big * big + 3 * small * small);
+      const double solids = 4 * kPi / 3 * (std::pow(big, 3) + 3 * std::pow(small, 3));
+      for (std::size_t q = 0; q < s.bodies.x.size(); ++q) {
+        const auto& state = s.bodies.state[q];
+        const bool lone = s.bodies.tag[q] == 5;
+        const double d = 2 * s.bodies.radius[q], y = lone ? 1.0 : d / sauter;
+        const double eps = 1 - (lone ? 4 * kPi / 3 * std::pow(small, 3) : solids) / std::pow(0.25, 3);
+        EXPECT_NEAR(state[kVoidFraction], eps, 1e-13);
+        EXPECT_NEAR(state[kSizeRatio], y, 1e-13);
+        double slip = 0;
+        for (int c = 0; c < 3; ++c) slip += std::pow(state[kFluidVelocity + c] - s.bodies.v[q][c], 2);
+        const double b = drag_coefficient(*find_drag_law("beetstra/poly"), eps, d, std::sqrt(slip), 1.2, 1e-2, y);
+        EXPECT_NEAR(state[kDragCoefficient] / (form == Formulation::kA ? b : b / eps), 1, 1e-12);
+      }
+    };
+    verify();
+    for (int n = 0; n < 3; ++n) {
+      s.advance(4);
+      verify();
+      EXPECT_EQ(s.coupling->report().particles, 5);
+      EXPECT_LE(s.coupling->report().momentum_error, 1e-14);
+      EXPECT_LE(s.coupling->report().solid_volume_error, 1e-13);
+    }
   }
 }
 
