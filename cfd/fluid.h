@@ -22,11 +22,11 @@ struct Interphase {
 /// Figures of one call of advance, the same on all ranks.
 struct FluidReport {
   int steps = 0;
-  double dt = 0;                                  ///< last fluid step, s
-  double cfl = 0;                                 ///< largest Courant number met
-  double divergence_error = 0;                    ///< max over cells of |d(eps)/dt + div(eps u) - q| h/U
-  int pressure_iterations = 0;                    ///< sum over steps
-  double pressure_drop = 0;                       ///< mean p of inlet faces minus mean p of outlet faces (Pa)
+  double dt = 0;                ///< last fluid step, s
+  double cfl = 0;               ///< largest Courant number met
+  double divergence_error = 0;  ///< max over cells of |d(eps)/dt + div(eps u) - q| h/U
+  int pressure_iterations = 0;  ///< sum over steps
+  double pressure_drop = 0;     ///< mean p of inlet faces minus mean p of outlet faces (Pa), over the interval
   double inflow = 0, outflow = 0, displaced = 0;  ///< volume in, out, and -integral of d(eps)/dt - q, last step, m3/s
 };
 

@@ -155,7 +155,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
       step = formula(0.5 * step.dt * std::min(1.0, 2 * settings_.cfl / cfl));
     }
     accept(step, interval);
-    measure(step, report);
+    measure(step, step.dt / interval, report);
     if (implicit_viscosity_) rotate_pressure();
     done += step.dt;
   }
@@ -509,7 +509,7 @@ void FluidSolver::accept(const Step& step, double interval) {
   dt_previous_ = step.dt;
 }
 
-void FluidSolver::measure(const Step& step, FluidReport& report) {
+void FluidSolver::measure(const Step& step, double share, FluidReport& report) {
   ++report.steps;
   report.dt = step.dt;
   const std::array<std::ptrdiff_t, 3> s{p_.stride(0), p_.stride(1), p_.stride(2)};
@@ -543,7 +543,7 @@ void FluidSolver::measure(const Step& step, FluidReport& report) {
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 7, MPI_DOUBLE, MPI_SUM, comm_);
   report.divergence_error = velocity_scale_ > 0 ? worst / velocity_scale_ : 0;
   report.inflow = sum[0], report.outflow = sum[1], report.displaced = sum[2];
-  report.pressure_drop = (sum[4] > 0 ? sum[3] / sum[4] : 0) - (sum[6] > 0 ? sum[5] / sum[6] : 0);
+  report.pressure_drop += share * ((sum[4] > 0 ? sum[3] / sum[4] : 0) - (sum[6] > 0 ? sum[5] / sum[6] : 0));
 }
 
 Vec3 FluidSolver::total_momentum() const {

@@ -93,7 +93,7 @@ class FluidSolver : public Fluid {
   void correct();
   void hold_flow_rate(const Interphase& exchange);
   void accept(const Step& step, double interval);
-  void measure(const Step& step, FluidReport& report);
+  void measure(const Step& step, double share, FluidReport& report);  // share: of the interval
   void rotate_pressure();
   void pressure_force(FaceField<FineGrid>& rhs, const Interphase& exchange);
   double courant_rate(const FaceField<FineGrid>& u) const;
