@@ -179,6 +179,8 @@ def main():
     verdict.note(f"{len(bed.jets)} jet(s) of {1e3 * bed.jet_width:.1f} mm at {bed.U:.1f} m/s, background "
                  f"{bed.U_background:.2f} m/s, {bed.now[-1, 0] * DEM_STEP:.2f} s, means from "
                  f"{bed.file['average'].attrs['from']:.2f} s")
+    if "weight" not in bed.file["average"].attrs or bed.now[-1, 0] * DEM_STEP <= bed.file["average"].attrs["from"]:
+        sys.exit("the run ended before its means began: -var tend must be larger than -var tavg")
     conservation(bed, verdict)
     momentum(bed, verdict)
     L = penetration(bed, verdict)
