@@ -49,8 +49,7 @@ class Fluid {
   virtual const FaceField<FineGrid>& velocity() const = 0;
   /// Mean of u over the last interval, as the implicit drag saw it; halo as above.
   virtual const FaceField<FineGrid>& mean_velocity() const = 0;
-  /// Mean of grad p (dynamic pressure, imposed gradient included) over the last interval, on solved faces; halo as
-  /// above.
+  /// Mean of grad p (dynamic pressure, imposed gradient included) over the last interval, on own solved faces.
   virtual const FaceField<FineGrid>& mean_pressure_gradient() const = 0;
   virtual const CellField<FineGrid>& pressure() const = 0;
   virtual const CellField<FineGrid>& void_fraction() const = 0;

@@ -1,13 +1,16 @@
 // eps(t) over one coupling interval, as the fluid's sub-steps see it.
 #pragma once
 
+#include <algorithm>
+
 #include "field.h"
 #include "grid.h"
 
 namespace twogrid {
 
 /// Cubic Hermite in time between eps at the interval's ends with given slopes there, so that d(eps)/dt is continuous
-/// from one interval to the next. Linear when the slopes are both (end - begin)/interval.
+/// from one interval to the next; where slopes are so steep that the curve would dip below half of the smaller end, it
+/// stops there. Linear when the slopes are both (end - begin)/interval.
 /// The cell fields cover own cells and a halo of two, beyond the domain's sides too.
 struct VoidFractionInTime {
   const CellField<FineGrid>* begin = nullptr;
@@ -21,7 +24,8 @@ struct VoidFractionInTime {
     if (!slope_begin || s == 1.0) return e0 + s * (e1 - e0);
     const double d0 = slope_begin->data()[m] * dt, d1 = slope_end->data()[m] * dt;
     const double r = 1 - s;
-    return e0 + (e1 - e0) * s * s * (3 - 2 * s) + d0 * s * r * r - d1 * s * s * r;
+    const double smooth = e0 + (e1 - e0) * s * s * (3 - 2 * s) + d0 * s * r * r - d1 * s * s * r;
+    return std::max(smooth, 0.5 * std::min(e0, e1));
   }
 };
 

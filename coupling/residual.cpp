@@ -33,7 +33,7 @@ void Residual::update(const Fluid& fluid, const CellField<FineGrid>& eps, const 
       const double e = (h0 * eps(under[0], under[1], under[2]) + h1 * eps(i, j, k)) / (h0 + h1);
       const double balance =
           gradient(i, j, k) - (reacts ? exchange.source[d](i, j, k) - exchange.beta[d](i, j, k) * u(i, j, k) : 0.0);
-      const double w = 1 / (1 + (1 - e) / e * density_ratio);
+      const double w = e / (1 + (1 - e) * density_ratio);
       double& r = r_[d](i, j, k);
       r += w * (-balance / e - r);
     });
