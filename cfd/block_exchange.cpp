@@ -151,12 +151,6 @@ void BlockExchange::bring(const std::vector<Array3<T>*>& field) const {
   transfer<T>(receive_, send_, source, field, true, false, true);
 }
 
-std::size_t BlockExchange::bytes_per_value() const {
-  std::size_t n = 0;
-  for (const Peer& p : send_) n += p.count;
-  return 8 * n;
-}
-
 #define TWOGRID_INSTANTIATE(T)                                                                                       \
   template void BlockExchange::bring<T>(const std::vector<const Array3<T>*>&, const std::vector<Array3<T>*>&) const; \
   template void BlockExchange::add<T>(const std::vector<const Array3<T>*>&, const std::vector<Array3<T>*>&) const;   \

@@ -35,10 +35,6 @@ class BlockExchange {
     bring(std::vector<Array3<T>*>{&field});
   }
 
-  /// Bytes and messages sent by this rank for one value of 8 bytes a point.
-  std::size_t bytes_per_value() const;
-  int messages() const { return int(send_.size()); }
-
  private:
   struct Piece {
     Box owner;   // indices at the owner

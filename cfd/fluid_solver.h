@@ -73,8 +73,6 @@ class FluidSolver : public Fluid {
   /// Momentum that BDF2 has still to hand on: rho/2 ((eps u V)^n - (eps u V)^{n-1}); total + pending changes by exactly
   /// force times dt when the step is constant. Collective.
   Vec3 pending_momentum() const;
-  /// Imposed mean pressure gradient G of periodic directions (Pa/m), as controlled for a given flow rate.
-  const Vec3& imposed_gradient() const { return imposed_; }
 
  private:
   /// A time step and its BDF2 weights.

@@ -267,7 +267,7 @@ double FixTwogrid::reach() const {
 
 void FixTwogrid::open_output() {
   const OutputSettings& out = script_.settings.output;
-  if (out.file.empty()) return;
+  if (out.file.empty() || (out.every <= 0 && out.average_from < 0)) return;
   Record record;
   record.input_text = script_text();
   record.command_line = command_line_text();
