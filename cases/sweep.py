@@ -31,9 +31,12 @@ measure.py, beside it, if the generic measure (see generic_measure) is not what 
                 these are the errors. Else the error of name is |value - reference| / |reference| (arrays: root mean
                 squares; a name in `absolute = [...]` of study.toml is not divided).
     prepare(folder, choices)        optional: writes files that the script needs
+    conclude(rows)                  optional: text that is added to recommendation.txt
+It may import what lies in cases/studies and tests/system (harness.py reads dumps and thermo tables).
 """
 import argparse
 import csv
+import ctypes
 import fnmatch
 import hashlib
 import importlib.util
@@ -224,7 +227,8 @@ class Study:
         if os.path.exists(os.path.join(self.folder, "measure.py")):
             spec = importlib.util.spec_from_file_location("measure", os.path.join(self.folder, "measure.py"))
             self.module = importlib.util.module_from_spec(spec)
-            sys.path.insert(0, self.folder)
+            for shared in (os.path.join(HERE, "..", "tests", "system"), os.path.join(HERE, "studies"), self.folder):
+                sys.path.insert(0, os.path.abspath(shared))
             spec.loader.exec_module(self.module)
         self.runs = [self.run(name, choices) for name, choices in asked]
         names = [r.name for r in self.runs]
@@ -338,13 +342,21 @@ class Job:
 
 # ---- running ---------------------------------------------------------------------------------------------------------
 
+LIBC = ctypes.CDLL(None)
+
+
+def end_with_parent():
+    """In a child: have the kernel end it should this program be killed (PR_SET_PDEATHSIG), so that no run is left over."""
+    LIBC.prctl(1, signal.SIGTERM)
+
+
 class Child:
     """A process whose CPU time is told by the kernel when it ends, with that of its own children."""
 
     def __init__(self, command, folder):
         with open(os.path.join(folder, "output.txt"), "w") as out:
             self.process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT,
-                                            start_new_session=True)
+                                            start_new_session=True, preexec_fn=end_with_parent)
         self.begin, self.late = time.time(), False
 
     def ended(self):
@@ -602,6 +614,8 @@ def rows_of(study):
         state = "ok" if r["code"] == 0 else "timeout" if r["late"] else "failed: " + reason_of(job.folder)
         rows.append({"name": job.name, **{k: job.table.get(k, "") for k in study.keys}, "state": state,
                      "cpu_s": r["cpu"], "wall_s": r["wall"], **numbers.get(job.name, {})})
+    if not rows:
+        raise Wrong("every run is the reference run itself: there is nothing to compare")
     if study.error is None:
         study.error = [k for k in (numbers[good[0].name] if good else {}) if not k.endswith("_err") and not k.startswith("value_")]
     for e in study.error:
@@ -687,6 +701,9 @@ def draw(path, title, rows, errors, keys):
     shapes = list(dict.fromkeys(r.get(marker, "") for r in rows)) if marker else [""]
     for ax, error in zip(axes[0], errors):
         good = usable(rows, error)
+        if not good:
+            ax.set_title(f"no run has a {error}")
+            continue
         for i, g in enumerate(groups):
             mine = [r for r in good if (r.get(colour) or r["name"]) == g]
             label = g if colour in (None, "method") else f"{colour} {g}"
@@ -831,6 +848,8 @@ def main():
     head = [study.title, f"executable {version(executable)}; cpu_s: user and system time of the run less that of an empty script"]
     write_table(os.path.join(results, "table.csv"), rows, head)
     said = recommendation(study.title, rows, study.error, study.keys)
+    if study.module and hasattr(study.module, "conclude"):
+        said += "\n" + study.module.conclude(rows).rstrip() + "\n"
     with open(os.path.join(results, "recommendation.txt"), "w") as f:
         f.write(said)
     draw(os.path.join(results, "error_cost.png"), study.title, rows, study.error, study.keys)

@@ -88,40 +88,48 @@ class Run:
         return os.path.join(self.path, name)
 
     def thermo(self):
-        """All thermo lines of all runs as a dict of columns; headers must not change between runs."""
-        names, rows = None, []
-        with open(self.file("log.liggghts")) as f:
-            for line in f:
-                words = line.split()
-                if words and words[0] == "Step":
-                    names = words
-                elif names and len(words) == len(names) and re.fullmatch(r"\d+", words[0]):
-                    try:
-                        rows.append([float(w) for w in words])
-                    except ValueError:
-                        pass
-        table = np.array(rows)
-        return {n: table[:, i] for i, n in enumerate(names)}
+        return read_thermo(self.file("log.liggghts"))
 
     def dump(self, name):
-        """Frames of a custom dump: list of (step, dict of columns sorted by id)."""
-        frames = []
-        with open(self.file(name)) as f:
-            lines = f.read().split("\n")
-        i = 0
-        while i < len(lines):
-            if lines[i].startswith("ITEM: TIMESTEP"):
-                step, count = int(lines[i + 1]), int(lines[i + 3])
-                names = lines[i + 8].split()[2:]
-                rows = [[float(w) for w in r.split()] for r in lines[i + 9:i + 9 + count]]
-                table = np.array(rows).reshape(count, len(names))
-                if "id" in names:
-                    table = table[np.argsort(table[:, names.index("id")])]
-                frames.append((step, {n: table[:, q] for q, n in enumerate(names)}))
-                i += 9 + count
-            else:
-                i += 1
-        return frames
+        return read_dump(self.file(name))
+
+
+def read_thermo(path):
+    """All thermo lines of all runs in a log as a dict of columns; headers must not change between runs."""
+    names, rows = None, []
+    with open(path) as f:
+        for line in f:
+            words = line.split()
+            if words and words[0] == "Step":
+                names = words
+            elif names and len(words) == len(names) and re.fullmatch(r"\d+", words[0]):
+                try:
+                    rows.append([float(w) for w in words])
+                except ValueError:
+                    pass
+    table = np.array(rows)
+    return {n: table[:, i] for i, n in enumerate(names)}
+
+
+def read_dump(path):
+    """Frames of a custom dump: list of (step, dict of columns sorted by id)."""
+    frames = []
+    with open(path) as f:
+        lines = f.read().split("\n")
+    i = 0
+    while i < len(lines):
+        if lines[i].startswith("ITEM: TIMESTEP"):
+            step, count = int(lines[i + 1]), int(lines[i + 3])
+            names = lines[i + 8].split()[2:]
+            rows = [[float(w) for w in r.split()] for r in lines[i + 9:i + 9 + count]]
+            table = np.array(rows).reshape(count, len(names))
+            if "id" in names:
+                table = table[np.argsort(table[:, names.index("id")])]
+            frames.append((step, {n: table[:, q] for q, n in enumerate(names)}))
+            i += 9 + count
+        else:
+            i += 1
+    return frames
 
 
 def head(box, dt, **values):
