@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { kDepth = 20, kChains = 1 << 14, kRequests = 1 << 12 };
+enum { kDepth = 40, kChains = 1 << 14, kRequests = 1 << 12 };
 enum { kNone, kP2p, kCollective };
 
 struct Chain {

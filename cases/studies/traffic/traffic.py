@@ -3,9 +3,9 @@
 
 Usage: traffic.py EXECUTABLE MPI_COUNT_LIBRARY [RANKS ...]     (default 2 4 8 16 32 64)
 
-The library (tests/bench/mpi_count.c, in the build folder) notes every send with its chain of callers. Two run lengths are
-differenced, so that set-up drops out; the chains tell the particles' own traffic (DEM), the coupling's (deposit, read,
-react, prolong) and the fluid solver's apart. Writes table.csv and traffic.png beside this file.
+The library (tests/bench/mpi_count.c, in the build folder) notes every send with its chain of callers. The chains tell the
+particles' own traffic (DEM), the coupling's (deposit, read, react, prolong) and the fluid solver's apart, and steps from
+set-up. Two run lengths are differenced, so that the first steps drop out too. Writes table.csv and traffic.png beside this file.
 """
 import bisect
 import collections
@@ -33,25 +33,33 @@ METHODS = {
     "exact on the fine grid": (1, "exact", "constant", "fine"),
     "porous cube of 4 d": (1, "cube 0.004", "constant", "cube 0.004"),
 }
+MANY = 16
+FEW_RANKS_ONLY = ("two-grid, trilinear, linear", "two-grid, trilinear, reads fine/trilinear")
 PARTS = ("dem", "coupling", "fluid")
 
 
 class Symbols:
-    """Names of the functions of an executable, by address."""
+    """Names of functions of the executable and of LIGGGHTS' library, by file and offset; of others the file."""
 
     def __init__(self, executable):
-        text = subprocess.run(["nm", "-C", "--defined-only", executable], capture_output=True, text=True, check=True).stdout
-        rows = sorted((int(a), n) for a, n in ((int(w[0], 16), w[2]) for w in (line.split(None, 2) for line in text.splitlines())
-                                               if len(w) == 3 and w[1] in "tTwW"))
-        self.at, self.name = [r[0] for r in rows], [r[1] for r in rows]
-        self.base = os.path.basename(executable)
+        self.executable, self.tables = os.path.basename(executable), {}
+
+    def table(self, file):
+        name = os.path.basename(file)
+        if name not in self.tables:
+            known = name == self.executable or "liggghts" in name
+            flags = ["-C", "--defined-only"] + (["-D"] if ".so" in name else [])
+            text = subprocess.run(["nm", *flags, file], capture_output=True, text=True, check=True).stdout if known else ""
+            words = (line.split(None, 2) for line in text.splitlines())
+            rows = sorted((int(w[0], 16), w[2]) for w in words if len(w) == 3 and w[1] in "tTwW")
+            self.tables[name] = [r[0] for r in rows], [r[1] for r in rows]
+        return self.tables[name]
 
     def __call__(self, frame):
         file, _, offset = frame.rpartition("+")
-        if os.path.basename(file) != self.base:
-            return os.path.basename(file)
-        i = bisect.bisect_right(self.at, int(offset, 16) - 1) - 1
-        return self.name[i] if i >= 0 else file
+        at, names = self.table(file)
+        i = bisect.bisect_right(at, int(offset, 16) - 1) - 1
+        return names[i] if i >= 0 else os.path.basename(file)
 
 
 def part_of(chain):
@@ -72,7 +80,8 @@ def particles():
 
 
 def measure(executable, library, ranks, method, steps, symbols):
-    """Counts of a run by part: {part: array over ranks of messages, bytes, collectives, their bytes}; fluid steps, iterations."""
+    """Counts of a run, of the time steps alone (what Verlet::run called), by part: {part: array over ranks of messages, bytes,
+    collectives, their bytes}; and the thermo table."""
     ratio, deposit, prolong, read = METHODS[method]
     p = GRIDS[ranks]
     with tempfile.TemporaryDirectory() as folder:
@@ -92,6 +101,8 @@ def measure(executable, library, ranks, method, steps, symbols):
                 for line in f:
                     kind, calls, size, *frames = line.split()
                     chain = [symbols(f) for f in frames]
+                    if not any(f.startswith("LAMMPS_NS::Verlet::run(") for f in chain):
+                        continue
                     at = 0 if kind == "p2p" else 2
                     counts[part_of(chain)][rank, at:at + 2] += int(calls), int(size)
                     names[(part_of(chain), kind, " < ".join(chain[:4]))] += int(calls)
@@ -117,15 +128,18 @@ def main():
             out = [r for r in csv.DictReader(f) if int(r["ranks"]) not in wanted]
     for ranks in wanted:
         for method in METHODS:
-            (short, _), (long, rows) = (measure(executable, library, ranks, method, s, symbols) for s in (SHORT, LONG))
-            steps = (LONG - SHORT) / EVERY
+            if ranks > MANY and method in FEW_RANKS_ONLY:
+                continue
+            # On many ranks starting the program costs most: one short run, its first steps and all.
+            short, rows = measure(executable, library, ranks, method, SHORT, symbols) if ranks <= MANY else (None, None)
+            long, rows = measure(executable, library, ranks, method, LONG if ranks <= MANY else 2 * SHORT, symbols)
             row = dict(ranks=ranks, method=method)
             for part in PARTS:
-                per = (long[part] - short[part]) / steps
+                per = (long[part] - short[part]) / ((LONG - SHORT) / EVERY) if short else long[part] / (2 * SHORT / EVERY)
                 for name, q in zip(("messages", "bytes", "collectives", "collective_bytes"), range(4)):
                     row[f"{part}_{name}"] = round(per[:, q].mean(), 1)
                 row[f"{part}_bytes_most"] = round(per[:, 1].max(), 1)
-            now = rows[rows[:, 0] > SHORT]
+            now = rows[rows[:, 0] > (SHORT if short else 0)]
             row["pressure_iterations"] = round(now[:, 5].mean(), 2)
             row["fluid_steps"] = round((1e-5 * EVERY / now[:, 2]).mean(), 3)
             out.append(row)
