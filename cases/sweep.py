@@ -16,7 +16,7 @@ study.toml
     script = "in.name"              beside it, or the path of any script from it
     title = "one line"
     ranks = 1                       options = ["-fluid_pressure_rtol", "1e-9"]      timeout = 600
-    error = ["force"]               what is plotted and judged; errors as fractions of 1
+    error = ["force"]               what is plotted and judged; errors as fractions of 1; the first one is the main one
     methods = ["two-grid, exact"]   or "all"; of methods.toml, or of a file methods_file = "..."
     [fixed]     choices of all runs that are not varied
     [values]    names for expressions in braces: d = 1e-3 lets a choice say "kernel {2*d}"; variables are such names too
@@ -62,6 +62,7 @@ STUDY_KEYS = {"script", "title", "ranks", "options", "timeout", "error", "method
               "variant", "reference", "short", "absolute"}
 SMALLER_IS_FINER = {"ratio", "every", "timestep", "dt", "cfl", "tolerance"}
 LEVELS = (0.01, 0.03, 0.10)
+LEAST_CPU = 0.05   # s: what is left of a run's CPU when its start-up is taken off is no surer than this
 
 
 class Wrong(Exception):
@@ -466,7 +467,7 @@ def execute(jobs, executable, out, cores, again=False, say=print):
                     continue
                 running.remove((job, child))
                 code, cpu, wall = end
-                record = dict(name=job.name, code=code, late=child.late, wall=wall, cpu=max(0.01, cpu - startup[str(job.ranks)]) if code == 0 else cpu,
+                record = dict(name=job.name, code=code, late=child.late, wall=wall, cpu=cpu - startup[str(job.ranks)] if code == 0 else cpu,
                               choices=job.choices)
                 with open(os.path.join(job.folder, "done.part"), "w") as f:
                     json.dump(record, f)
@@ -613,7 +614,7 @@ def rows_of(study):
         r = job.record
         state = "ok" if r["code"] == 0 else "timeout" if r["late"] else "failed: " + reason_of(job.folder)
         rows.append({"name": job.name, **{k: job.table.get(k, "") for k in study.keys}, "state": state,
-                     "cpu_s": r["cpu"], "wall_s": r["wall"], **numbers.get(job.name, {})})
+                     "cpu_s": max(LEAST_CPU, r["cpu"]), "wall_s": r["wall"], **numbers.get(job.name, {})})
     if not rows:
         raise Wrong("every run is the reference run itself: there is nothing to compare")
     if study.error is None:
@@ -647,6 +648,12 @@ def usable(rows, error):
     return [r for r in rows if r["state"] == "ok" and isinstance(r.get(error), float) and math.isfinite(r[error])]
 
 
+def noise_of(row, error):
+    """Standard error of a row's error, 0 if none was given."""
+    value = row.get(error + "_err")
+    return value if isinstance(value, float) and math.isfinite(value) else 0.0
+
+
 def front_of(rows, error):
     """Runs that no other beats in both, cheapest first."""
     best, out = math.inf, []
@@ -659,20 +666,20 @@ def front_of(rows, error):
 
 def beaten(r, rows, error):
     """Another run is clearly cheaper and clearly more accurate: by a tenth, and by more than the noise of both."""
-    noise = lambda q: q.get(error + "_err") if isinstance(q.get(error + "_err"), float) else 0.0
-    return any(q["cpu_s"] < 0.9 * r["cpu_s"] and q[error] < 0.9 * r[error] - math.hypot(noise(q), noise(r)) for q in rows)
+    return any(q["cpu_s"] < 0.9 * r["cpu_s"] - LEAST_CPU and
+               q[error] < 0.9 * r[error] - math.hypot(noise_of(q, error), noise_of(r, error)) for q in rows)
 
 
 def recommendation(study_title, rows, errors, keys):
     out = [study_title, ""]
     for error in errors:
         good = usable(rows, error)
-        out.append(f"Error: {error}")
+        out.append(f"Error: {error}; a run counts when its error and its standard error together are below")
         for level in LEVELS:
-            enough = [r for r in good if r[error] <= level]
+            enough = [r for r in good if r[error] + noise_of(r, error) <= level]
             if enough:
-                r = min(enough, key=lambda r: r["cpu_s"])
-                noise = f" +- {100 * r[error + '_err']:.2g} %" if isinstance(r.get(error + "_err"), float) else ""
+                r = min(enough, key=lambda r: (r["cpu_s"], r[error]))
+                noise = f" +- {100 * noise_of(r, error):.2g} %" if noise_of(r, error) else ""
                 out.append(f"  {100 * level:3.0f} %: {r['name']} ({100 * r[error]:.2g} %{noise}; {r['cpu_s']:.2g} s of CPU)")
             elif good:
                 r = min(good, key=lambda r: r[error])
@@ -710,7 +717,7 @@ def draw(path, title, rows, errors, keys):
             for s in shapes:
                 part = [r for r in mine if not marker or r.get(marker, "") == s]
                 ax.errorbar([r["cpu_s"] for r in part], [max(100 * r[error], 1e-4) for r in part],
-                            yerr=[100 * r[error + "_err"] if isinstance(r.get(error + "_err"), float) else 0 for r in part],
+                            yerr=[100 * noise_of(r, error) for r in part],
                             fmt="osD^v<>pX*"[shapes.index(s) % 10], ms=5, color=f"C{i % 10}", mfc="none" if i >= 10 else None, lw=0.8,
                             label=label if s == shapes[0] else None)
         front = front_of(rows, error)
