@@ -27,6 +27,7 @@ struct FluidReport {
   double divergence_error = 0;  ///< max over cells of |d(eps)/dt + div(eps u) - q| h/U
   int pressure_iterations = 0;  ///< sum over steps
   double pressure_drop = 0;     ///< mean p of inlet faces minus mean p of outlet faces (Pa), over the interval
+  double step_error = -1;       ///< of advance_and_check; negative: not measured
   double inflow = 0, outflow = 0, displaced = 0;  ///< volume in, out, and -integral of d(eps)/dt - q, last step, m3/s
 };
 
@@ -64,6 +65,15 @@ class Fluid {
   /// Advances over the interval. Collective. Throws std::runtime_error with a sentence on all ranks when the solution
   /// is not finite or the pressure solver fails.
   virtual FluidReport advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) = 0;
+  /// The same, to the same result; beside it the interval is taken once more in steps of half the length, and the
+  /// report's step_error holds the relative difference of the two: the larger of those in eps u at the end (root mean
+  /// square) and in the interval's mean of grad p (its part along grad p itself: the rest is noise that averages out).
+  /// About three times the cost of advance. Collective.
+  virtual FluidReport advance_and_check(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
+    return advance(interval, eps, exchange);
+  }
+  /// Courant number above which advance takes smaller steps, from the next call on.
+  virtual void limit_courant_number(double) {}
 };
 
 }  // namespace twogrid

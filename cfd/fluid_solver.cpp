@@ -162,6 +162,48 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
   return report;
 }
 
+FluidReport FluidSolver::advance_and_check(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
+  Saved begin = save();
+  FluidReport report = advance(interval, eps, exchange);
+  Saved end = save();
+  restore(std::move(begin));
+  const double dt = settings_.dt;
+  settings_.dt = 0.5 * interval / report.steps;
+  advance(interval, eps, exchange);
+  settings_.dt = dt;
+  report.step_error = difference_from(end);
+  restore(std::move(end));
+  return report;
+}
+
+FluidSolver::Saved FluidSolver::save() const {
+  return {time_,        dt_previous_, velocity_scale_, imposed_,  u_,   u_old_, flux_, mean_u_,
+          mean_grad_p_, p_,           dilation_,       response_, eps_, eps_f_};
+}
+
+void FluidSolver::restore(Saved&& s) {
+  time_ = s.time, dt_previous_ = s.dt_previous, velocity_scale_ = s.velocity_scale, imposed_ = s.imposed;
+  u_ = std::move(s.u), u_old_ = std::move(s.u_old), flux_ = std::move(s.flux);
+  mean_u_ = std::move(s.mean_u), mean_grad_p_ = std::move(s.mean_grad_p);
+  p_ = std::move(s.p), dilation_ = std::move(s.dilation), response_ = std::move(s.response);
+  eps_ = std::move(s.eps), eps_f_ = std::move(s.eps_f);
+}
+
+double FluidSolver::difference_from(const Saved& other) const {
+  double sum[4] = {0, 0, 0, 0};  // (difference of eps u)^2, (eps u)^2; difference of grad p . grad p, (grad p)^2
+  for (int d = 0; d < 3; ++d)
+    for_each(faces_[d], [&](int i, int j, int k) {
+      const std::ptrdiff_t m = p_.index(i, j, k);
+      const double V = momentum_.volume(d, i, j, k);
+      const double u = flux_[d].data()[m], g = mean_grad_p_[d].data()[m];
+      const double du = u - other.flux[d].data()[m], dg = g - other.mean_grad_p[d].data()[m];
+      sum[0] += V * du * du, sum[1] += V * u * u;
+      sum[2] += V * dg * g, sum[3] += V * g * g;
+    });
+  MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPI_DOUBLE, MPI_SUM, comm_);
+  return std::max(sum[1] > 0 ? std::sqrt(sum[0] / sum[1]) : 0.0, sum[3] > 0 ? std::abs(sum[2]) / sum[3] : 0.0);
+}
+
 FluidSolver::Step FluidSolver::formula(double dt) const {
   Step s;
   s.dt = dt;

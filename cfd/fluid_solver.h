@@ -53,6 +53,8 @@ class FluidSolver : public Fluid {
 
   void start(const CellField<FineGrid>& eps) override;
   FluidReport advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) override;
+  FluidReport advance_and_check(double interval, const VoidFractionInTime& eps, const Interphase& exchange) override;
+  void limit_courant_number(double cfl) override { settings_.cfl = cfl; }
 
   /// Settings that may change between runs (inlet values, tolerances); the grid and the kinds of boundary may not.
   FluidSettings& settings() { return settings_; }
@@ -79,6 +81,18 @@ class FluidSolver : public Fluid {
   struct Step {
     double dt, r, a0, a1, a2;
   };
+  /// All that one interval hands to the next, and what others read after it.
+  struct Saved {
+    double time, dt_previous, velocity_scale;
+    Vec3 imposed;
+    FaceField<FineGrid> u, u_old, flux, mean_u, mean_grad_p;
+    CellField<FineGrid> p, dilation, response;
+    std::array<CellField<FineGrid>, 3> eps;
+    std::array<FaceField<FineGrid>, 3> eps_f;
+  };
+  Saved save() const;
+  void restore(Saved&& saved);
+  double difference_from(const Saved& other) const;
   Step formula(double dt) const;
   void make_continuous();
   double allowed_dt(double interval_left);

@@ -4,7 +4,8 @@
 //   1 deposit   V_p            -> eps_s on the particle grid -> bounded -> eps on the fine grid
 //   2 react     impulses that the particles received in the interval -> source of the fluid, by the transpose of read;
 //               beta_eff = sum w_pf b'_p / V_f,  b'_p = (m_p/Dt) (1 - exp(-b_p Dt/m_p)): what a change of u by du over
-//               the interval would have given the particle is b'_p Dt du
+//               the interval would have given the particle is b'_p Dt du. Intervals not short against the
+//               response time m_p/b_p: also the drag of the fluid's own deviation from what particles read
 //   3 advance   the fluid over the interval, t^{n-1} -> t^n, in as many steps as it needs
 //   4 kick      what the implicit part changed, b'_p (u_read - u_seen) Dt, goes to the particles at once: the sum of
 //               momenta of fluid and particles is kept to round-off
@@ -46,6 +47,9 @@ struct Report {
   double volume_inserted = 0;  ///< of particles new since the last coupling (m3); they replace fluid
   double volume_vanished = 0;  ///< of particles deleted, or gone out of the domain, since then (m3)
   double volume_unplaced = 0;  ///< above the eps bound, with no room anywhere (m3)
+  double step_error = 0;       ///< of the last check: Fluid::advance_and_check
+  double coupling_error = 0;   ///< of the last check: half the change of the fluid's forces on the particles at the
+                               ///< coupling, root mean square over that of the forces themselves
 };
 
 /// CPU seconds of this rank by part.
@@ -64,7 +68,8 @@ class Coupling {
   /// not advance. Collective.
   void start(Particles& p, double dem_dt);
   /// Steps 1-5 above for an interval of `steps` DEM steps of dem_dt seconds. Collective.
-  void advance(Particles& p, int steps, double dem_dt);
+  /// check: also measures step_error and coupling_error; the result is the same.
+  void advance(Particles& p, int steps, double dem_dt, bool check = false);
   /// Every DEM step, after all other forces: f += drag + pressure gradient force + buoyancy, by an exponential
   /// integrator; sums up impulses. Collective only while holding the flux. accumulate = false in set-up: forces only.
   void force(Particles& p, double dem_dt, bool accumulate = true);

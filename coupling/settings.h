@@ -33,6 +33,8 @@ struct Settings {
   std::array<double, 3> stretch{1, 1, 1};           ///< growth from cell to cell
   std::array<bool, 3> stretch_symmetric{false, false, false};
   int every = 1;                                    ///< DEM steps per coupling
+  double accuracy = 0;                              ///< relative error wanted of the steps in time; 0: not watched
+  bool cfl_given = false, tolerance_given = false;  ///< by the user, so that `accuracy` leaves them alone
   bool one_way = false;                             ///< particles feel the fluid, the fluid doesn't feel them
 
   FluidSettings fluid;

@@ -38,7 +38,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int kVectorSize = 10;
+constexpr int kVectorSize = 13;
 constexpr int kUserColumns = 10;
 static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
               "the state's first ten columns are the user's per-atom array");
@@ -231,13 +231,15 @@ void FixTwogrid::build() {
   check_patches_and_outlet(s.fluid, grid);
   const SceneFacts facts = scene_facts(*lmp, groupbit);
   if (script_.every_auto) s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
+  if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
+  accuracy_ = Accuracy(s.accuracy, s.every, script_.every_auto, s.fluid.cfl, !s.cfl_given && s.fluid.dt == 0);
 
   fluid_ = std::make_unique<FluidSolver>(world, grid, fluid_layout(grid), s.fluid);
   Vec3 lo, hi;
   for (int d = 0; d < 3; ++d) lo[d] = domain->sublo[d], hi[d] = domain->subhi[d];
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, lo, hi, reach());
   open_output();
-  say(scene_report(s, script_.side_given, grid, facts));
+  say(scene_report(s, script_.side_given, script_.every_auto, grid, facts));
   if (state_->recent_restart)
     warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }
@@ -326,7 +328,8 @@ void FixTwogrid::pre_force(int) {
   guarded([&] {
     ++steps_since_coupling_;
     time_since_coupling_ += update->dt;
-    coupled_now_ = update->ntimestep % script_.settings.every == 0;
+    coupled_now_ = accuracy_.on() && script_.every_auto ? steps_since_coupling_ >= accuracy_.every()
+                                                        : update->ntimestep % script_.settings.every == 0;
     if (coupled_now_) couple();
   });
 }
@@ -334,13 +337,26 @@ void FixTwogrid::pre_force(int) {
 void FixTwogrid::couple() {
   watch_particles(signal_seen());
   Particles p = particles();
-  coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_);
+  const bool check = accuracy_.due();
+  coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_, check);
+  accuracy_.count_coupling();
+  if (check) adjust_steps();
   // The coupling has changed velocities. Ghosts must follow, or else the two sides of a contact across a border of
   // ranks or of the box see different damping, and momentum is lost.
   comm->forward_comm();
   last_interval_ = time_since_coupling_;
   steps_since_coupling_ = 0;
   time_since_coupling_ = 0;
+}
+
+/// Steps for the accuracy wanted, after a coupling that was checked.
+void FixTwogrid::adjust_steps() {
+  const Report& r = coupling_->report();
+  accuracy_.adjust(r.step_error, r.coupling_error, r.max_drag_number);
+  script_.settings.every = accuracy_.every();
+  fluid_->limit_courant_number(accuracy_.cfl());
+  // Inlets that follow a variable are asked again at the next coupling, which is perhaps another step than was thought.
+  if (started_) modify->addstep_compute(update->ntimestep + script_.settings.every);
 }
 
 /// One small message a coupling: has a signal come to any rank, and have particles vanished?
@@ -403,15 +419,26 @@ void FixTwogrid::post_run() {
     MPI_Allreduce(MPI_IN_PLACE, sum, 6, MPI_DOUBLE, MPI_SUM, world);
     if (update->ntimestep > step_begin_)
       say(shares_text(MPI_Wtime() - wall_begin_, sum[5], Shares{sum[0], sum[1], sum[2], sum[3], sum[4]}) + "\n");
+    if (accuracy_.on()) say(accuracy_text(accuracy_) + "\n");
   });
 }
 
 double FixTwogrid::compute_vector(int i) {
   if (!coupling_) return 0;
   const Report& r = coupling_->report();
-  const double value[kVectorSize] = {
-      r.fluid_time,         r.fluid_dt,       r.cfl,          r.pressure_drop, r.divergence_error,
-      r.solid_volume_error, r.momentum_error, r.volume_moved, r.eps_min,       double(r.pressure_iterations)};
+  const double value[kVectorSize] = {r.fluid_time,
+                                     r.fluid_dt,
+                                     r.cfl,
+                                     r.pressure_drop,
+                                     r.divergence_error,
+                                     r.solid_volume_error,
+                                     r.momentum_error,
+                                     r.volume_moved,
+                                     r.eps_min,
+                                     double(r.pressure_iterations),
+                                     r.step_error,
+                                     r.coupling_error,
+                                     double(script_.settings.every)};
   return value[i];
 }
 

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "cfd/fluid_solver.h"
+#include "coupling/accuracy.h"
 #include "coupling/coupling.h"
 #include "coupling/output/output.h"
 #include "progress.h"
@@ -70,6 +71,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void open_output();
   Particles particles();
   void couple();
+  void adjust_steps();
   void watch_particles(long long own_signal);
   void write_frame(const Particles& p);
   void say(const std::string& text) const;
@@ -81,6 +83,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::unique_ptr<FluidSolver> fluid_;
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<Output> output_;  // null: none wanted
+  Accuracy accuracy_;
 
   bool started_ = false;          // the coupling has deposited once
   int steps_since_coupling_ = 0;  // DEM steps that the particles have run since the last coupling

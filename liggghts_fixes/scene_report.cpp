@@ -173,8 +173,34 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
   return w;
 }
 
-std::string scene_report(const Settings& s, const std::array<bool, 6>& side_given, const FineGrid& grid,
-                         const SceneFacts& facts) {
+std::string accuracy_text(const Accuracy& a) {
+  const auto percent = [](double x) { return brief(100 * x) + " %"; };
+  const auto range = [](const StepControl& c) {
+    return std::lround(c.shortest()) == std::lround(c.longest())
+               ? std::to_string(std::lround(c.step()))
+               : std::to_string(std::lround(c.shortest())) + " to " + std::to_string(std::lround(c.longest())) + ", " +
+                     std::to_string(std::lround(c.step())) + " at last";
+  };
+  const double fluid = a.fluid().mean_error(), coupling = a.coupling().mean_error();
+  std::string text = "twogrid: accuracy of the steps in time: wanted " + percent(a.wanted()) + "; " +
+                     std::to_string(a.checks()) + " checks found, on average, fluid " + percent(fluid) + ", coupling " +
+                     percent(coupling) + "; every " + range(a.coupling()) + "; cfl " + brief(a.cfl()) + " at last";
+  if (a.checks() > 0 && std::max(fluid, coupling) > 2 * a.wanted()) {
+    text += "\nWARNING: the steps in time are less accurate than wanted: ";
+    if (a.coupling().noisy() || a.fluid().noisy())
+      text +=
+          "shorter ones don't help, since what is left is the noise of particles that cross cells; choose 'deposit "
+          "trilinear' or 'exact' and 'read trilinear', or larger particle cells by ratio";
+    else if (coupling > fluid)
+      text += "lower every (or say 'every auto'), or timestep where every is 1 already";
+    else
+      text += "lower cfl (or leave it to accuracy), or every";
+  }
+  return text;
+}
+
+std::string scene_report(const Settings& s, const std::array<bool, 6>& side_given, bool every_auto,
+                         const FineGrid& grid, const SceneFacts& facts) {
   const SceneNumbers n = scene_numbers(s, grid, facts);
   std::ostringstream out;
   const auto line = [&](const std::string& name, const std::string& value) {
@@ -233,6 +259,13 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
        std::to_string(s.every) + " steps = " + brief(interval) + " s" +
            (n.tau > 0 ? ", " + brief(interval / n.tau) + " response times of the bed (tau " + brief(n.tau) + " s)"
                       : ""));
+  if (s.accuracy > 0)
+    line("accuracy", brief(100 * s.accuracy) + " % of the steps in time: solver tolerance " +
+                         brief(s.fluid.pressure_rtol) + (s.tolerance_given ? " (as given)" : "") + ", cfl " +
+                         brief(s.fluid.cfl) + (s.cfl_given || s.fluid.dt > 0 ? " (as given)" : " to begin with") +
+                         ", coupling interval " + (every_auto ? "to begin with as above" : "as given") +
+                         "; checked every " + std::to_string(Accuracy::kChecked) +
+                         " couplings against half the fluid step");
   line("CFL over an interval", brief(n.cfl) + " (about " +
                                    std::to_string(std::max(1, int(std::ceil(n.cfl / s.fluid.cfl)))) +
                                    " fluid steps with cfl " + text(s.fluid.cfl) + ")");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "coupling/accuracy.h"
 #include "coupling/settings.h"
 
 namespace twogrid {
@@ -57,7 +58,10 @@ std::vector<std::string> scene_warnings(const Settings& settings, const FineGrid
                                         const SceneNumbers& numbers);
 
 /// The whole report, several lines.
-std::string scene_report(const Settings& settings, const std::array<bool, 6>& side_given, const FineGrid& grid,
-                         const SceneFacts& facts);
+std::string scene_report(const Settings& settings, const std::array<bool, 6>& side_given, bool every_auto,
+                         const FineGrid& grid, const SceneFacts& facts);
+
+/// What the checks of a run found, and a warning where it is more than was wanted.
+std::string accuracy_text(const Accuracy& accuracy);
 
 }  // namespace twogrid

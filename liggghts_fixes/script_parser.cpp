@@ -283,8 +283,15 @@ const std::vector<Keyword>& keywords() {
          w.one_of("initial", {"u"});
          s.fluid.initial_velocity = three_numbers(w, "initial u", "three velocities in m/s");
        }},
+      {"accuracy",
+       [](Settings& s, Words& w) {
+         const std::string found = w.peek(), wanted = "a relative error of the steps in time, 0.0001 to 0.5";
+         s.accuracy = w.number("accuracy", wanted);
+         if (!(s.accuracy >= 1e-4 && s.accuracy <= 0.5)) refuse("accuracy", found, wanted);
+       }},
       {"cfl",
        [](Settings& s, Words& w) {
+         s.cfl_given = true;
          const std::string found = w.peek();
          s.fluid.cfl = w.positive("cfl", "a Courant number above 0 and at most 1");
          if (s.fluid.cfl > 1) refuse("cfl", found, "a Courant number above 0 and at most 1");
@@ -312,6 +319,7 @@ const std::vector<Keyword>& keywords() {
        }},
       {"tolerance",
        [](Settings& s, Words& w) {
+         s.tolerance_given = true;
          const std::string found = w.peek();
          s.fluid.pressure_rtol = w.positive("tolerance", "a relative continuity error above 0 and below 0.1");
          if (s.fluid.pressure_rtol >= 0.1)

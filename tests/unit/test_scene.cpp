@@ -128,7 +128,7 @@ TEST(SceneWarnings, EachHasItsCause) {
 TEST(SceneReportText, SaysGridsSidesAndDefaults) {
   const Settings s = scene();
   const std::string r =
-      scene_report(s, {false, false, false, false, true, true}, fine_grid(s, {false, false, false}), facts());
+      scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), facts());
   for (const char* part : {"40 x 10 x 200", "10 x 2 x 50", "zlo", "inlet", "pressure 0 Pa",
                            "slip (not given in the script)", "U/U_mf", "Re = ", "9240", "not modelled", "20 steps"})
     EXPECT_NE(r.find(part), std::string::npos) << part << "\n" << r;
