@@ -665,9 +665,13 @@ def front_of(rows, error):
 
 
 def beaten(r, rows, error):
-    """Another run is clearly cheaper and clearly more accurate: by a tenth, and by more than the noise of both."""
-    return any(q["cpu_s"] < 0.9 * r["cpu_s"] - LEAST_CPU and
-               q[error] < 0.9 * r[error] - math.hypot(noise_of(q, error), noise_of(r, error)) for q in rows)
+    """Another run is clearly cheaper and clearly more accurate, or no dearer and half again as accurate; beyond the noise."""
+    for q in rows:
+        noise = math.hypot(noise_of(q, error), noise_of(r, error))
+        cheaper, no_dearer = q["cpu_s"] < 0.9 * r["cpu_s"] - LEAST_CPU, q["cpu_s"] < 1.1 * r["cpu_s"] + 0.5 * LEAST_CPU
+        if cheaper and q[error] < 0.9 * r[error] - noise or no_dearer and q[error] < r[error] / 1.5 - noise:
+            return True
+    return False
 
 
 def recommendation(study_title, rows, errors, keys):
@@ -690,7 +694,7 @@ def recommendation(study_title, rows, errors, keys):
             for v in values if len(values) > 1 else []:
                 if all(beaten(r, good, error) for r in good if r.get(key) == v):
                     never.append(f"{'' if key == 'method' else key + ' '}{v}")
-        out.append("  never pays (another run is cheaper and more accurate): " + ("; ".join(never) or "nothing"))
+        out.append("  never pays (another run is no dearer and more accurate): " + ("; ".join(never) or "nothing"))
         out.append("")
     failed = [r for r in rows if r["state"] != "ok"]
     out += [f"Did not run: {r['name']}: {r['state']}" for r in failed]
@@ -752,6 +756,8 @@ def compare_short(study, rows, table):
     agree = study.short.get("agree", {})
     if not agree:
         raise Wrong("study.toml: [short.agree] is missing, so that --short has nothing to compare")
+    if not os.path.exists(table):
+        raise Wrong(f"{table} is not there: run the whole study first")
     kept = {r["name"]: r for r in read_table(table)}
     out, good = [], True
     for r in rows:

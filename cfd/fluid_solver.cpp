@@ -85,12 +85,25 @@ void FluidSolver::start(const CellField<FineGrid>& eps) {
   eps_f_[1] = eps_f_[0];
   p_.fill(0);
   for (int d = 0; d < 3; ++d) u_[d].fill(boundaries_.component_solved(d) ? settings_.initial_velocity[d] : 0.0);
+  if (settings_.initial_vortex != 0) add_vortex();
   boundaries_.update();
   fill(u_);
   make_continuous();
   u_old_ = u_;
   mean_u_ = u_;
   reset(mean_grad_p_, local_);
+}
+
+/// Adds u = U sin(kx x) cos(ky y), v = -U kx/ky cos(kx x) sin(ky y), one wavelength over the domain's x and y.
+void FluidSolver::add_vortex() {
+  const Axis &x = grid_.axis[0], &y = grid_.axis[1];
+  const double kx = 2 * std::acos(-1.0) / x.length(), ky = 2 * std::acos(-1.0) / y.length(), U = settings_.initial_vortex;
+  for_each(faces_[0], [&](int i, int j, int k) {
+    u_[0](i, j, k) += U * std::sin(kx * (x.node(i) - x.lo())) * std::cos(ky * (y.centre(j) - y.lo()));
+  });
+  for_each(faces_[1], [&](int i, int j, int k) {
+    u_[1](i, j, k) -= U * kx / ky * std::cos(kx * (x.centre(i) - x.lo())) * std::sin(ky * (y.node(j) - y.lo()));
+  });
 }
 
 /// Projects the initial u onto one that satisfies continuity with eps at rest: a run that starts with its inlets open

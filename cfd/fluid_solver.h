@@ -94,6 +94,7 @@ class FluidSolver : public Fluid {
   void restore(Saved&& saved);
   double difference_from(const Saved& other) const;
   Step formula(double dt) const;
+  void add_vortex();
   void make_continuous();
   double allowed_dt(double interval_left);
   void next_level(const VoidFractionInTime& eps, double s, double interval);

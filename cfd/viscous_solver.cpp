@@ -27,7 +27,8 @@ class ViscousSolver::Impl {
     check(MatShellSetOperation(operator_, MATOP_GET_DIAGONAL, reinterpret_cast<void (*)(void)>(&Impl::get_diagonal)));
     check(KSPCreate(comm, solver_.put()));
     check(KSPSetOptionsPrefix(solver_, "fluid_momentum_"));
-    check(KSPSetType(solver_, KSPCG));
+    // Not CG: at an outlet the transposed gradients make the operator unsymmetric, and CG may stall there.
+    check(KSPSetType(solver_, KSPBCGS));
     check(KSPSetOperators(solver_, operator_, operator_));
     PC pc;
     check(KSPGetPC(solver_, &pc));

@@ -94,7 +94,7 @@ SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneF
                              facts.gravity[2] * facts.gravity[2]);
   constexpr double kEps = 0.4;
   if (d > 0 && facts.density > 0) n.Umf = minimum_fluidisation(d, facts.density, rho, mu, g, kEps);
-  n.U = largest_inlet(s.fluid);
+  n.U = std::max(largest_inlet(s.fluid), std::abs(s.fluid.initial_vortex));
   for (int i = 0; i < 3; ++i) {
     n.U = std::max(n.U, std::abs(s.fluid.initial_velocity[i]));
     if (s.fluid.flow_rate_set[i]) n.U = std::max(n.U, std::abs(s.fluid.flow_rate[i]));

@@ -280,8 +280,10 @@ const std::vector<Keyword>& keywords() {
       {"one-way", [](Settings& s, Words& w) { s.one_way = w.yes_or_no("one-way"); }},
       {"initial",
        [](Settings& s, Words& w) {
-         w.one_of("initial", {"u"});
-         s.fluid.initial_velocity = three_numbers(w, "initial u", "three velocities in m/s");
+         if (w.one_of("initial", {"u", "vortex"}) == 0)
+           s.fluid.initial_velocity = three_numbers(w, "initial u", "three velocities in m/s");
+         else
+           s.fluid.initial_vortex = w.number("initial vortex", "a velocity in m/s");
        }},
       {"accuracy",
        [](Settings& s, Words& w) {
