@@ -11,6 +11,11 @@ namespace twogrid {
 
 namespace {
 
+/// Share of the wanted Courant number for which a new step is chosen, and number of steps that could have been longer
+/// before it grows.
+constexpr double kChosenCfl = 0.8;
+constexpr int kIdleSteps = 30;
+
 const FluidSettings& checked(const FluidSettings& s, const FineGrid& grid) {
   s.check(grid);
   return s;
@@ -71,6 +76,13 @@ void FluidSolver::fill(FaceField<FineGrid>& u, bool ghosts) const {
   if (ghosts) boundaries_.apply(u);
 }
 
+/// eps on the faces from that of the cells, halo filled.
+void FluidSolver::set_face_eps(int level) {
+  momentum_.face_mean(eps_[level], eps_f_[level]);
+  boundaries_.apply_face_eps(eps_f_[level]);
+  for (int d = 0; d < 3; ++d) face_halo_[d].bring<double>(eps_f_[level][d]);
+}
+
 void FluidSolver::fill(CellField<FineGrid>& c) const {
   cell_halo_.bring<double>(c);
 }
@@ -79,8 +91,7 @@ void FluidSolver::start(const CellField<FineGrid>& eps) {
   time_ = 0;
   dt_previous_ = 0;
   eps_[0] = eps;
-  momentum_.face_mean(eps_[0], eps_f_[0]);
-  boundaries_.apply_face_eps(eps_f_[0]);
+  set_face_eps(0);
   eps_[1] = eps_[0];
   eps_f_[1] = eps_f_[0];
   p_.fill(0);
@@ -132,10 +143,7 @@ void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const Cel
   copy(p, p_, own_);
   eps_[0] = eps;
   eps_[1] = eps_previous;
-  for (int level : {0, 1}) {
-    momentum_.face_mean(eps_[level], eps_f_[level]);
-    boundaries_.apply_face_eps(eps_f_[level]);
-  }
+  for (int level : {0, 1}) set_face_eps(level);
 }
 
 FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
@@ -144,7 +152,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
   double done = 0;
   while (done < interval * (1 - 1e-12)) {
     boundaries_.update();
-    Step step = formula(allowed_dt(interval - done));
+    Step step = formula(allowed_dt(interval - done, interval));
     for (;;) {
       next_level(eps, std::min(1.0, (done + step.dt) / interval), interval);
       extrapolate(step);
@@ -160,12 +168,14 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
         throw std::runtime_error(text.str());
       }
       // A sudden inflow may break the limit only after the projection has seen it: take the step again, smaller.
-      if (cfl <= 1 || settings_.convection == Convection::kNone || settings_.dt > 0) {
+      if (cfl <= settings_.cfl || settings_.convection == Convection::kNone || settings_.dt > 0) {
         report.cfl = std::max(report.cfl, cfl);
         break;
       }
       previous_level();
-      step = formula(0.5 * step.dt * std::min(1.0, 2 * settings_.cfl / cfl));
+      const double left = interval - done;
+      step = formula(left / std::ceil(left / (step.dt * std::min(0.75, kChosenCfl * settings_.cfl / cfl))));
+      idle_steps_ = 0;
     }
     accept(step, interval);
     measure(step, step.dt / interval, report);
@@ -243,13 +253,18 @@ double FluidSolver::courant_rate(const FaceField<FineGrid>& u) const {
   return rate;
 }
 
-double FluidSolver::allowed_dt(double left) {
+/// The step changes only when it must: backward differences with a varying step don't hand on momentum exactly, and
+/// where the particles' noise decides both the step and the gas's acceleration, the errors would add up to a force. So
+/// a new step is chosen below the limit, kept as long as the limit allows it, and grows only after many steps that
+/// could have been longer.
+double FluidSolver::allowed_dt(double left, double interval) {
   boundaries_.apply_normal(u_);
-  double limit = settings_.dt > 0 ? settings_.dt : left;
+  double limit = settings_.dt > 0 ? settings_.dt : interval, chosen = limit;
   if (settings_.convection != Convection::kNone && settings_.dt == 0) {
     const double rate = courant_rate(u_);
-    if (rate > 0) limit = std::min(limit, settings_.cfl / rate);
-    if (dt_previous_ > 0) limit = std::min(limit, 2 * dt_previous_);  // BDF2 is zero-stable up to a ratio of 2.41
+    if (rate > 0)
+      limit = std::min(limit, settings_.cfl / rate), chosen = std::min(chosen, kChosenCfl * settings_.cfl / rate);
+    if (dt_previous_ > 0) chosen = std::min(chosen, 2 * dt_previous_);  // BDF2 is zero-stable up to a ratio of 2.41
   }
   // Extrapolated viscous terms: BDF2 is stable up to a step of 1/3 h^2/nu in one direction, 4/3 of it for div(tau).
   double widest = 0;
@@ -260,15 +275,18 @@ double FluidSolver::allowed_dt(double left) {
   }
   const double viscous_limit = 0.2 * settings_.density / (settings_.viscosity * widest + 1e-300);
   implicit_viscosity_ = settings_.implicit_viscosity == Choice::kOn ||
-                        (settings_.implicit_viscosity == Choice::kAuto && viscous_limit < limit);
-  if (!implicit_viscosity_ && settings_.dt == 0) limit = std::min(limit, viscous_limit);
-  if (limit >= left * (1 - 1e-9)) return left;
-  // The step stays what it was where it may, since BDF2 is at its best with a constant one.
-  if (dt_previous_ > 0 && dt_previous_ <= limit && dt_previous_ > 0.6 * limit) {
-    const double steps = left / dt_previous_;
-    if (std::abs(steps - std::round(steps)) < 1e-6) return left / std::round(steps);
+                        (settings_.implicit_viscosity == Choice::kAuto && viscous_limit < chosen);
+  if (!implicit_viscosity_ && settings_.dt == 0)
+    limit = std::min(limit, viscous_limit), chosen = std::min(chosen, viscous_limit);
+  const double wanted = left / std::ceil(left / std::min(chosen, left) - 1e-9);
+  if (dt_previous_ > 0 && settings_.dt == 0 && dt_previous_ <= limit * (1 + 1e-9)) {
+    const double parts = std::round(interval / dt_previous_), steps = left / dt_previous_;
+    const bool fits = steps > 0.5 && std::abs(steps - std::round(steps)) < 1e-6;
+    idle_steps_ = parts > 1 && chosen > 0.999 * interval / (parts - 1) ? idle_steps_ + 1 : 0;
+    if (fits && (idle_steps_ < kIdleSteps || wanted < dt_previous_)) return left / std::round(steps);
   }
-  return left / std::ceil(left / limit - 1e-9);
+  idle_steps_ = 0;
+  return wanted;
 }
 
 void FluidSolver::next_level(const VoidFractionInTime& eps, double s, double interval) {
@@ -278,8 +296,7 @@ void FluidSolver::next_level(const VoidFractionInTime& eps, double s, double int
   std::swap(eps_f_[0], eps_f_[1]);
   double* e = eps_[0].data();
   for (std::size_t m = 0; m < eps_[0].size(); ++m) e[m] = eps.at(m, s, interval);
-  momentum_.face_mean(eps_[0], eps_f_[0]);
-  boundaries_.apply_face_eps(eps_f_[0]);
+  set_face_eps(0);
 }
 
 void FluidSolver::previous_level() {
@@ -334,15 +351,16 @@ void FluidSolver::measure_inlet_head() {
       const int d = direction(side);
       Int3 in{i, j, k};
       if (is_high(side)) --in[d];
-      inlet_head_ += momentum_.convected_through(d, in[0], in[1], in[2], rho, flux_, u_tilde_, settings_.convection) -
-                     rho * flux_[d](i, j, k) * u_tilde_[d](i, j, k) * grid_.area(d, i, j, k);
+      inlet_head_ +=
+          momentum_.convected_through(d, in[0], in[1], in[2], rho, flux_, eps_f_[0], u_tilde_, settings_.convection) -
+          rho * flux_[d](i, j, k) * u_tilde_[d](i, j, k) * grid_.area(d, i, j, k);
     });
 }
 
 void FluidSolver::predict(const Step& step, const Interphase& exchange) {
   const double rho = settings_.density, mu = settings_.viscosity;
   for (auto& c : rhs_) c.fill(0);
-  momentum_.convect(rho, flux_, u_tilde_, settings_.convection, rhs_);
+  momentum_.convect(rho, flux_, eps_f_[0], u_tilde_, settings_.convection, rhs_);
   measure_inlet_head();
   if (mu > 0 && !implicit_viscosity_) momentum_.viscous(mu, eps_[0], u_tilde_, rhs_);
   pressure_force(rhs_, exchange);

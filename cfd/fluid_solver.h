@@ -96,7 +96,8 @@ class FluidSolver : public Fluid {
   Step formula(double dt) const;
   void add_vortex();
   void make_continuous();
-  double allowed_dt(double interval_left);
+  double allowed_dt(double left, double interval);  // left: of the interval
+  void set_face_eps(int level);
   void next_level(const VoidFractionInTime& eps, double s, double interval);
   void previous_level();
   void extrapolate(const Step& step);
@@ -133,6 +134,7 @@ class FluidSolver : public Fluid {
   CellField<FineGrid> p_;                   // dynamic pressure (Pa)
   std::array<CellField<FineGrid>, 3> eps_;  // eps^n (after a step: the newest), eps^{n-1}, spare
   Vec3 imposed_{0, 0, 0};                   // G (Pa/m)
+  int idle_steps_ = 0;                      // steps in a row that could have been longer
 
   // Work.
   std::array<FaceField<FineGrid>, 3> eps_f_;                                   // eps on faces, levels as eps_

@@ -29,12 +29,13 @@ class Momentum {
   /// eps on faces: volume-weighted arithmetic mean of the two cells, so that sums over cells and faces agree.
   void face_mean(const CellField<FineGrid>& eps, FaceField<FineGrid>& eps_f) const;
   /// out -= rho sum over the volume's faces of (F u), N. F = eps u of all faces (superficial velocity, halo filled),
-  /// u with halo and ghosts. van Leer (1974) limited, or central.
-  void convect(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& u, Convection scheme,
-               FaceField<FineGrid>& out);
+  /// eps_f and u with halo and ghosts. van Leer (1974) limited, or central; what eps_f explains of a change of u along
+  /// itself is never limited.
+  void convect(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u,
+               Convection scheme, FaceField<FineGrid>& out);
   /// rho F u of component c through the centre of own cell (i,j,k), along c, as convect takes it, N.
   double convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& F,
-                           const FaceField<FineGrid>& u, Convection scheme) const;
+                           const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u, Convection scheme) const;
   /// out += integral of div(eps tau), tau = mu (grad u + grad u^T - 2/3 div u I), N.
   void viscous(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
   /// Diagonal of -viscous, approximately (for Jacobi), N s/m.
@@ -49,8 +50,8 @@ class Momentum {
 
  private:
   template <int c, int d>
-  void convect_part(double rho, const FaceField<FineGrid>& F, const FaceComponent<FineGrid>& u, bool limited,
-                    FaceComponent<FineGrid>& out);
+  void convect_part(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& eps_f,
+                    const FaceComponent<FineGrid>& u, bool limited, FaceComponent<FineGrid>& out);
 
   Box own_, local_;
   std::array<Box, 3> faces_;
