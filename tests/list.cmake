@@ -7,14 +7,18 @@ twogrid_test(NAME verification RANKS 1 TIMEOUT 900 LABELS verification COMMAND $
 twogrid_test(NAME verification_flows RANKS 2 4 TIMEOUT 400 LABELS verification
              COMMAND $<TARGET_FILE:verification_tests> --gtest_filter=-Manufactured.*:Cavity.*:StretchedGrid.*)
 
-# system_test(name [TIMEOUT s] [RANKS n...]): tests/system/name.py EXECUTABLE RANKS..., which starts mpirun itself.
+# system_test(name [FOLDER folder] [TIMEOUT s] [RANKS n...]): tests/folder/name.py EXECUTABLE RANKS..., which starts mpirun
+# itself. folder: system (default) or stability, which is the test's label, too.
 function(system_test name)
-  cmake_parse_arguments(T "" "TIMEOUT" "RANKS" ${ARGN})
+  cmake_parse_arguments(T "" "TIMEOUT;FOLDER" "RANKS" ${ARGN})
   if(NOT T_TIMEOUT)
     set(T_TIMEOUT 300)
   endif()
-  add_test(NAME ${name} COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/system/${name}.py $<TARGET_FILE:twogrid>
-                                ${T_RANKS})
+  if(NOT T_FOLDER)
+    set(T_FOLDER system)
+  endif()
+  add_test(NAME ${name} COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/${T_FOLDER}/${name}.py
+                                $<TARGET_FILE:twogrid> ${T_RANKS})
   set(most 1)
   foreach(n ${T_RANKS})
     if(n GREATER most)
@@ -24,7 +28,7 @@ function(system_test name)
   if(most GREATER 2)
     set(most 2)
   endif()
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${T_TIMEOUT} LABELS system PROCESSORS ${most})
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${T_TIMEOUT} LABELS ${T_FOLDER} PROCESSORS ${most})
 endfunction()
 
 system_test(bad_input RANKS 1 TIMEOUT 400)
@@ -43,3 +47,8 @@ system_test(min_fluidisation RANKS 1 TIMEOUT 400)
 add_test(NAME batch_script COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/batch_script.sh)
 set_tests_properties(batch_script PROPERTIES TIMEOUT 120 LABELS system)
 system_test(settling RANKS 1)
+
+# Hard cases: what is bounded and for how long stands in tests/stability/README.md.
+system_test(fine_cells FOLDER stability RANKS 1)
+system_test(fast_jet FOLDER stability RANKS 1)
+system_test(stiff_drag FOLDER stability RANKS 1)

@@ -7,10 +7,9 @@ interval that is counted twice would pass: the plain mean of dp hides it in the 
 All figures come from outside the coupling: LIGGGHTS' velocities and wall forces, the written gas velocities, the
 pressure drop of the fix's vector.
 """
-import h5py
 import numpy as np
 
-from harness import WALL, Checks, Run, arguments, data_file, head_with_particles, walls
+from harness import WALL, Checks, MixtureBalance, Run, arguments, column, data_file, head_with_particles, walls
 
 L, H, D, RHO, RHO_P, U, G = 0.015, 0.06, 1e-3, 1.2, 2500.0, 1.3, 9.81
 DT, EVERY, STEPS = 1e-5, 5, 12000
@@ -50,47 +49,22 @@ def main():
         data, text = script(formulation)
         r = Run(executable, text, max(ranks), ["-fluid_pressure_rtol", "1e-8"], timeout=280, files={"particles.data": data})
         t = r.thermo()
-        col = lambda *names: next(t[n] for n in names if n in t)
-        step, mv, fz = col("Step").astype(int), col("mvz", "c_mvz"), col("fz", "c_fz")
-        dp, area = col("f_gas[4]", "gas[4]"), L * L
-        weight = col("Atoms")[0] * np.pi / 6 * D**3 * (RHO_P - RHO) * G
-        with h5py.File(r.file("bed.h5")) as f:
-            names = sorted(f["fluid"])
-            h = [f["grid/" + a][1] - f["grid/" + a][0] for a in "xyz"]
-            at, gas, out = [], [], []
-            for k in names:
-                frame = f["fluid/" + k]
-                eps, w = frame["eps"][()], frame["faces/uz"][()]
-                below = np.concatenate([np.ones_like(eps[:1]), 0.5 * (eps[1:] + eps[:-1]), eps[-1:]])
-                volume = np.full(w.shape, h[0] * h[1] * h[2])
-                volume[0] = 0   # the inlet's faces are not solved for
-                volume[-1] *= 0.5
-                at.append(int(np.array(frame.attrs["step"] if "step" in frame.attrs else frame["step"][()]).item()))
-                gas.append(RHO * np.sum(below * w * volume))
-                out.append(RHO * np.sum((below * w * w)[-1]) * h[0] * h[1])
-        gas, out = np.interp(step, at, gas), np.interp(step, at, out)
-        coupled = step % EVERY == 0
-        push = np.where(coupled, (dp * area + RHO * U * U * area - out) * EVERY * DT, 0.0)
-        # Impulses of DEM step s reach the velocities by halves in steps s and s + 1.
-        floor = np.concatenate([[0.0], 0.5 * (fz[1:] + fz[:-1]) * DT])
+        step, mv, fz = t["Step"].astype(int), column(t, "c_mvz"), column(t, "c_fz")
+        dp, area = column(t, "f_gas[4]"), L * L
+        weight = t["Atoms"][0] * np.pi / 6 * D**3 * (RHO_P - RHO) * G
+        balance = MixtureBalance(r.file("bed.h5"), RHO, EVERY, DT, weight, step, mv, fz, dp, U)
         worst, first = 0.0, 2000  # the impulsive start is not a window
         for begin, end in [(first, 4000), (3000, 5000), (first, 8000), (5000, 11000), (first, STEPS)]:
-            begin, end = begin // (20 * EVERY) * 20 * EVERY, end // (20 * EVERY) * 20 * EVERY
-            window = (step > begin) & (step <= end)
-            T = (end - begin) * DT
-            i, j = np.searchsorted(step, [begin, end])
-            change = mv[j] - mv[i] + gas[j] - gas[i]
-            gained = push[window].sum() + floor[window].sum() - weight * T
-            error = abs(gained - change) / (weight * T)
-            c.note(f"{formulation} window {begin * DT:.3f}-{end * DT:.3f} s: dp A/weight {dp[window & coupled].mean() * area / weight:.4f}, "
-                   f"floor {floor[window].sum() / (weight * T):+.4f}, momentum {change / (weight * T):+.4f}, error {error:.2e}")
-            worst = max(worst, error)
+            w = balance.window(begin, end)
+            c.note(f"{formulation} window {w['begin'] * DT:.3f}-{w['end'] * DT:.3f} s: dp A/weight {w['dp']:.4f}, "
+                   f"floor {w['wall']:+.4f}, momentum {w['change']:+.4f}, error {w['error']:.2e}")
+            worst = max(worst, w["error"])
         c.below(f"{formulation}: balance over any window / (weight x time)", worst, 1e-3)
-        batches = np.array_split(dp[coupled & (step > first)] * area / weight, 10)
+        batches = np.array_split(dp[balance.coupled & (step > first)] * area / weight, 10)
         means = np.array([b.mean() for b in batches])
         c.note(f"{formulation}: mean of dp A / weight {means.mean():.4f} +- {means.std(ddof=1) / np.sqrt(len(means)):.4f} (batch error)")
-        c.below(f"{formulation}: momentum exchange error", col("f_gas[7]", "gas[7]").max(), 1e-12)
-        c.true(f"{formulation}: no particle lost", col("Atoms")[-1] == col("Atoms")[0])
+        c.below(f"{formulation}: momentum exchange error", column(t, "f_gas[7]").max(), 1e-12)
+        c.true(f"{formulation}: no particle lost", t["Atoms"][-1] == t["Atoms"][0])
     c.end()
 
 

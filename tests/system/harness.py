@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 
+import h5py
 import numpy as np
 
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
@@ -167,5 +168,95 @@ def walls(**planes):
 
 def arguments():
     executable = sys.argv[1]
-    ranks = [int(a) for a in sys.argv[2:]] or [1]
+    ranks = [int(a) for a in sys.argv[2:] if not a.startswith("--")] or [1]
     return executable, ranks
+
+
+def long_form():
+    """Whether the command line asks for the long form of a test."""
+    return "--long" in sys.argv
+
+
+def column(table, name):
+    """A column of a thermo table; LIGGGHTS' versions write computes and fixes with or without their prefix."""
+    return table[name] if name in table else table[name[2:]]
+
+
+def settled(executable, box, x, d, rho, steps, dt, **values):
+    """Positions after `steps` without fluid, under gravity, in a box of walls."""
+    e = [float(w) for w in box.split()]
+    script = head_with_particles(dt, boundary="f f f", **values) + walls(xplane=e[0:2], yplane=e[2:4], zplane=e[4:6]) + f"""
+fix grav all gravity 9.81 vector 0 0 -1
+fix integrate all nve/sphere
+dump d all custom {steps} settled.txt id x y z
+dump_modify d format "%d %.17g %.17g %.17g"
+thermo {steps}
+run {steps}
+"""
+    last = Run(executable, script, files={"particles.data": data_file(box, x, d, rho)}).dump("settled.txt")[-1][1]
+    return np.stack([last[a] for a in "xyz"], axis=1)
+
+
+def step_of(frame):
+    return int(np.array(frame.attrs["step"] if "step" in frame.attrs else frame["step"][()]).item())
+
+
+def gas_balance(path, inflow):
+    """Largest |out - in - displaced| of the gas between floor and top over the frames, over inflow (m3/s)."""
+    worst = 0.0
+    with h5py.File(path) as f:
+        x, y, z = (np.diff(f["grid/" + a][()]) for a in "xyz")
+        area = np.outer(y, x)
+        for name in sorted(f["fluid"])[1:]:  # the first frame is the state before any fluid step
+            flux, rate = f["fluid/" + name]["faces/flux_z"], f["fluid/" + name]["faces/deps_dt"]
+            into, out = np.sum(flux[0] * area), np.sum(flux[-1] * area)
+            worst = max(worst, abs(out - into + np.sum(rate * z[:, None, None] * area)) / inflow)
+    return worst
+
+
+class MixtureBalance:
+    """Vertical momentum of particles and gas between floor and top, from outside the coupling: particle velocities and
+    wall forces of LIGGGHTS, written gas velocities, the pressure drop of the fix's vector.
+
+    step, mv, wall, dp, U: at every DEM step, momentum and wall force of the particles, pressure drop, superficial inflow.
+    weight: buoyant. The fluid's part lies in the frames of path, in which windows begin and end."""
+
+    def __init__(self, path, rho, every, dt, weight, step, mv, wall, dp, U):
+        self.step, self.mv, self.dp, self.every, self.dt, self.weight = step, mv, dp, every, dt, weight
+        at, gas, out = [], [], []
+        with h5py.File(path) as f:
+            x, y, z = (np.diff(f["grid/" + a][()]) for a in "xyz")
+            area = np.outer(y, x)
+            for name in sorted(f["fluid"]):
+                frame = f["fluid/" + name]
+                eps, w = frame["eps"][()], frame["faces/uz"][()]
+                below = np.concatenate([np.ones_like(eps[:1]), 0.5 * (eps[1:] + eps[:-1]), eps[-1:]])
+                # The inlet's faces are not solved for; of the outlet's, half a volume lies inside. z: equal cells.
+                height = np.concatenate([[0.0], z[1:], [0.5 * z[-1]]])
+                at.append(step_of(frame))
+                gas.append(rho * np.sum(below * w * area * height[:, None, None]))
+                out.append(rho * np.sum((below * w * w)[-1] * area))
+        self.frames, self.area = np.array(at), area.sum()
+        self.gas, out = np.interp(step, at, gas), np.interp(step, at, out)
+        self.coupled = step % every == 0
+        self.push = np.where(self.coupled, (dp * self.area + rho * U * U * self.area - out) * every * dt, 0.0)
+        # Impulses of DEM step s reach the velocities by halves in steps s and s + 1.
+        self.wall = np.concatenate([[0.0], 0.5 * (wall[1:] + wall[:-1]) * dt])
+
+    def window(self, begin, end, band=0):
+        """Means over the weight: pressure, walls, change of momentum, and what the balance is open by. Steps are moved to
+        frames. band: mean over all windows that begin and end up to so many steps further inside; it takes out the noise of
+        the gas's momentum at a single moment."""
+        begins = self.frames[(self.frames >= begin) & (self.frames <= begin + band)]
+        ends = self.frames[(self.frames >= end - band) & (self.frames <= end)]
+        result = np.mean([[self._one(b, e) for e in ends] for b in begins], axis=(0, 1))
+        return dict(zip(("dp", "wall", "change", "error"), (*result[:3], abs(result[3]))), begin=begins[0], end=ends[-1])
+
+    def _one(self, begin, end):
+        window = (self.step > begin) & (self.step <= end)
+        whole = self.weight * (end - begin) * self.dt
+        i, j = np.searchsorted(self.step, [begin, end])
+        change = self.mv[j] - self.mv[i] + self.gas[j] - self.gas[i]
+        gained = self.push[window].sum() + self.wall[window].sum() - whole
+        return (self.dp[window & self.coupled].mean() * self.area / self.weight, self.wall[window].sum() / whole, change / whole,
+                (gained - change) / whole)
