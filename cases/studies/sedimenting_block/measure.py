@@ -24,5 +24,5 @@ def measure(folder, c):
     t = read_thermo(os.path.join(folder, "log.liggghts"))
     col = lambda n: t[n] if n in t else t[n.split("_", 1)[-1]]
     volume = t["Atoms"][0] * np.pi / 6 * D**3
-    return dict(velocity=col("c_vz")[1:], fallen=col("c_z")[0] - col("c_z")[1:], eps_min=float(col("f_gas[9]").min()),
+    return dict(last=float(col("c_vz")[-1]), velocity=col("c_vz")[1:], fallen=col("c_z")[0] - col("c_z")[1:], eps_min=float(col("f_gas[9]").min()),
                 moved=float(np.abs(col("f_gas[8]")).max() / volume), courant=float(col("f_gas[3]").max()))
