@@ -117,6 +117,27 @@ def measure(executable, library, ranks, method, steps, symbols):
     return counts, np.array(rows)
 
 
+def draw(rows):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    fig, axes = plt.subplots(1, 2, figsize=(11.5, 4.4))
+    paper = list(METHODS)[0]
+    for ax, what, label in ((axes[0], "bytes", "bytes a rank and fluid step"), (axes[1], "messages", "messages a rank and fluid step")):
+        for i, method in enumerate(METHODS):
+            mine = [(int(r["ranks"]), float(r[f"coupling_{what}"])) for r in rows if r["method"] == method]
+            ax.plot(*zip(*mine), "osD^v<"[i] + "-", ms=5, lw=1, label=f"coupling: {method}")
+        for part, style, name in (("dem", "k:", "particles' own (10 DEM steps)"), ("fluid", "k--", f"fluid solver, {paper}")):
+            mine = [(int(r["ranks"]), float(r[f"{part}_{what}"])) for r in rows if r["method"] == paper]
+            ax.plot(*zip(*mine), style, lw=1.2, label=name)
+        ax.set(xscale="log", yscale="log", xlabel="ranks", ylabel=label)
+        ax.set_xscale("log", base=2)
+        ax.grid(True, which="both", lw=0.3, alpha=0.5)
+    axes[1].legend(fontsize=7, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    fig.tight_layout()
+    fig.savefig(os.path.join(HERE, "traffic.png"), dpi=100, bbox_inches="tight")
+
+
 def main():
     executable, library = (os.path.abspath(a) for a in sys.argv[1:3])
     wanted = [int(a) for a in sys.argv[3:]] or list(GRIDS)
@@ -149,6 +170,7 @@ def main():
                 w = csv.DictWriter(f, row.keys(), lineterminator="\n")
                 w.writeheader()
                 w.writerows(out)
+    draw(out)
 
 
 if __name__ == "__main__":
