@@ -91,6 +91,7 @@ class Coupling::Impl {
   void advance(Particles& p, int steps, double dem_dt, bool check);
   void force(Particles& p, double dem_dt, bool accumulate);
   void finish_step(Particles& p);
+  void repeat_force() { ++repeated_; }
 
   Report report_;
   Shares shares_;
@@ -157,6 +158,10 @@ class Coupling::Impl {
   long long new_count_ = 0;
   double terms_ = 1;
   bool any_stiff_ = false;  // in this rank's last step
+  int repeated_ = 0;        // steps since the last coupling whose force was that of the step before
+  bool kept_ = false;       // nothing moved at the last coupling: its void fraction may be that of this one too
+  long long kept_particles_ = 0;
+  decltype(Ledger::deposited_volume) kept_volume_{};
   Ledger ledger_;
 };
 
@@ -307,6 +312,8 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
   flux_velocity_.resize(inside_.size());
   response_.resize(inside_.size());
   Extremes mine;
+  const double repeated = repeated_ * dem_dt;
+  repeated_ = 0;
   auto note_impulse = [&](const double* s) {
     for (int d = 0; d < 3; ++d) {
       ledger_.action[d] += s[kImpulse + d];
@@ -316,10 +323,13 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
   for (std::size_t q = 0; q < inside_.size(); ++q) {
     const int i = inside_[q];
     double* s = p.state[i];
+    if (repeated > 0)
+      for (int d = 0; d < 3; ++d) s[kImpulse + d] += repeated * (s[kDragForce + d] + s[kPressureForce + d]);
     const bool is_new = s[kVoidFraction] == 0;
     Vec3 c{0, 0, 0}, pressure;
     if (holding_ && s[kDragCoefficient] > 0) motion().change_at(p.x[i], c, pressure);
-    const double b = -p.mass[i] / interval * std::expm1(-s[kResponse] * interval / p.mass[i]);
+    const double b =
+        p.held(i) ? s[kResponse] : -p.mass[i] / interval * std::expm1(-s[kResponse] * interval / p.mass[i]);
     response_[q] = b;
     mine.response = std::max(mine.response, b);
     for (int d = 0; d < 3; ++d) {
@@ -399,6 +409,15 @@ void Coupling::Impl::deposit(const Particles& p) {
     ledger_.deposited_volume = ledger_.particle_volume;
     return;
   }
+  // What follows from positions alone stays, where nothing moves, came or went.
+  const bool keep = p.still && kept_ && new_count_ == 0 && report_.particles == kept_particles_;
+  kept_ = p.still && started_;
+  kept_particles_ = report_.particles;
+  if (keep) {
+    fine = history_.now();
+    ledger_.deposited_volume = kept_volume_;
+    return;
+  }
   volume_deposit_.prepare(extremes_.radius);
   volume_deposit_(p, inside_, solid_);
   const FixedPoint& scale = volume_deposit_.scale();
@@ -423,6 +442,7 @@ void Coupling::Impl::deposit(const Particles& p) {
   const FineGrid& grid = fluid_.grid();
   for_each(fluid_.layout().cells(rank),
            [&](int i, int j, int k) { ledger_.deposited_volume += (1 - fine(i, j, k)) * grid.volume(i, j, k); });
+  kept_volume_ = ledger_.deposited_volume;
 }
 
 const CellField<FineGrid>* Coupling::Impl::replacement_source(const Particles& p, double interval) {
@@ -520,7 +540,7 @@ void Coupling::Impl::kick(Particles& p, double interval) {
     const int i = inside_[q];
     reader_.weights(p.x[i], w);
     reader_.at<3>(w, u);
-    const double scale = response_[q] * interval, inverse_mass = 1 / p.mass[i];
+    const double scale = response_[q] * interval, inverse_mass = p.held(i) ? 0 : 1 / p.mass[i];
     for (int d = 0; d < 3; ++d) {
       const double k = scale * (u[d] - p.state[i][kSeenVelocity + d]);
       p.v[i][d] += k * inverse_mass;
@@ -598,7 +618,7 @@ void Coupling::Impl::read(Particles& p, double interval) {
       mine.drag = std::max(mine.drag, b * std::abs(out[d] - p.v[i][d]));
     }
     mine.drag_coefficient = std::max(mine.drag_coefficient, b);
-    mine.drag_number = std::max(mine.drag_number, b_A / eps * interval / p.mass[i]);
+    if (!p.held(i)) mine.drag_number = std::max(mine.drag_number, b_A / eps * interval / p.mass[i]);
   }
   for (int i : leaving_) set_outside(p, i);
   double largest[4] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number}, all[4];
@@ -717,7 +737,7 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
       slip[d] = s[kSeenVelocity + d] - p.v[i][d];
       steady[d] = other[d] + s[kPressureForce + d] + volume * pressure[d];
     }
-    const double k = response * dem_dt / p.mass[i];
+    const double k = p.held(i) ? 0 : response * dem_dt / p.mass[i];
     const bool stiff = k > kStiff;
     Vec3 first, second;  // forces of the half kicks before and after this step's end
     if (stiff) {
@@ -735,7 +755,7 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
       s[kDragForce + d] = received - s[kPressureForce + d];
       s[kLateForce + d] = second[d] - first[d];
       if (add_path) s[kDisplacement + d] += p.v[i][d] * dem_dt;
-      p.f[i][d] = first[d];
+      if (!p.is_frozen(i)) p.f[i][d] = first[d];
     }
     if (holding_) c = pressure = {0, 0, 0};
   }
@@ -821,6 +841,9 @@ void Coupling::force(Particles& p, double dem_dt, bool accumulate) {
 }
 void Coupling::finish_step(Particles& p) {
   impl_->finish_step(p);
+}
+void Coupling::repeat_force() {
+  impl_->repeat_force();
 }
 void Coupling::set_gravity(const Vec3& g) {
   impl_->gravity_ = g;

@@ -74,6 +74,10 @@ class Coupling {
   /// integrator; sums up impulses. Collective only while holding the flux. accumulate = false in set-up: forces only.
   void force(Particles& p, double dem_dt, bool accumulate = true);
 
+  /// In place of force() at a step that differs in nothing from the one before (Particles::still): its impulse is
+  /// counted, f is left alone.
+  void repeat_force();
+
   /// At the end of every DEM step, after the last half kick: turns the force into that of the next half kick. Differs
   /// from nothing only for steps that are long against a particle's response time. Not in set-up. Local.
   void finish_step(Particles& p);

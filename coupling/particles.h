@@ -32,9 +32,15 @@ struct Particles {
   const int* tag = nullptr;        ///< identity, may be null
   const int* mask = nullptr;       ///< groups, may be null: all take part
   int group = ~0;                  ///< a particle takes part if mask & group
+  int moving = ~0;                 ///< groups whose velocity is integrated; the other particles are held in place
+  int frozen = 0;                  ///< groups that are held in place all the same
+  bool still = false;              ///< no particle of any rank moves
   double* const* state = nullptr;  ///< state[i][ParticleColumn]
 
   bool takes_part(int i) const { return !mask || (mask[i] & group); }
+  bool is_frozen(int i) const { return mask && (mask[i] & frozen); }
+  /// What holds it takes up its momentum: as if its mass were infinite.
+  bool held(int i) const { return mask && (!(mask[i] & moving) || is_frozen(i)); }
 };
 
 }  // namespace twogrid

@@ -5,12 +5,16 @@
 #include <domain.h>
 #include <error.h>
 #include <fix_property_atom.h>
+#include <force.h>
 #include <group.h>
 #include <input.h>
+#include <integrate.h>
 #include <lammps.h>
 #include <memory.h>
 #include <modify.h>
 #include <neighbor.h>
+#include <output.h>
+#include <pair.h>
 #include <region.h>
 #include <signal_handling.h>
 #include <sys/stat.h>
@@ -26,6 +30,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "pair_switch.h"
 #include "petsc_session.h"
 #include "scene_facts.h"
 #include "scene_report.h"
@@ -207,9 +212,20 @@ void FixTwogrid::resolve_names() {
     }
 }
 
+/// Groups whose particles some fix moves, and groups that a fix freezes.
+void FixTwogrid::find_motion() {
+  moving_groups_ = frozen_groups_ = 0;
+  for (int f = 0; f < modify->nfix; ++f) {
+    if (modify->fmask[f] & FixConst::INITIAL_INTEGRATE) moving_groups_ |= modify->fix[f]->groupbit;
+    if (std::string(modify->fix[f]->style) == "freeze") frozen_groups_ |= modify->fix[f]->groupbit;
+  }
+  still_ = moving_groups_ == 0;
+}
+
 void FixTwogrid::init() {
   guarded([&] {
     refuse_what_cannot_be_served();
+    find_motion();
     if (!(update->dt > 0)) refuse("timestep", text(update->dt), "a DEM step above 0 (s)");
     if (!fluid_) build();
     coupling_->set_gravity(scene_facts(*lmp, groupbit).gravity);
@@ -229,7 +245,8 @@ void FixTwogrid::build() {
   resolve_names();
   const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));
   check_patches_and_outlet(s.fluid, grid);
-  const SceneFacts facts = scene_facts(*lmp, groupbit);
+  SceneFacts facts = scene_facts(*lmp, groupbit);
+  facts.still = still_;
   if (script_.every_auto) s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
   if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
   accuracy_ = Accuracy(s.accuracy, s.every, script_.every_auto, s.fluid.cfl, !s.cfl_given && s.fluid.dt == 0);
@@ -301,6 +318,9 @@ Particles FixTwogrid::particles() {
   p.tag = atom->tag;
   p.mask = atom->mask;
   p.group = groupbit;
+  p.moving = moving_groups_;
+  p.frozen = frozen_groups_;
+  p.still = still_;
   p.state = state_->array_atom;
   return p;
 }
@@ -331,6 +351,10 @@ void FixTwogrid::pre_force(int) {
     coupled_now_ = accuracy_.on() && script_.every_auto ? steps_since_coupling_ >= accuracy_.every()
                                                         : update->ntimestep % script_.settings.every == 0;
     if (coupled_now_) couple();
+    // Nothing moves: between couplings and outputs every step is the one before, contacts included.
+    quiet_ = still_ && !coupled_now_ && update->ntimestep != output->next && modify->n_end_of_step == 1 &&
+             update->ntimestep != update->laststep;
+    if (still_) skip_pair(*update->integrate, quiet_, force->pair && force->pair->compute_flag);
   });
 }
 
@@ -378,6 +402,10 @@ void FixTwogrid::watch_particles(long long own_signal) {
 }
 
 void FixTwogrid::post_force(int) {
+  if (quiet_) {
+    coupling_->repeat_force();
+    return;
+  }
   guarded([&] {
     Particles p = particles();
     coupling_->force(p, update->dt, true);
@@ -385,6 +413,7 @@ void FixTwogrid::post_force(int) {
 }
 
 void FixTwogrid::end_of_step() {
+  if (quiet_) return;
   Particles moved = particles();
   coupling_->finish_step(moved);
   if (!coupled_now_) return;

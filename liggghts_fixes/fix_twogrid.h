@@ -65,6 +65,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   Vec3 velocity_now(int side, std::size_t condition) const;
   double equal_style(const std::string& variable, const std::string& keyword) const;
   void resolve_names();
+  void find_motion();
   void build();
   Layout fluid_layout(const FineGrid& grid) const;
   double reach() const;
@@ -89,6 +90,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   int steps_since_coupling_ = 0;  // DEM steps that the particles have run since the last coupling
   double time_since_coupling_ = 0;
   bool coupled_now_ = false;  // this step is a coupling
+  int moving_groups_ = ~0, frozen_groups_ = 0;
+  bool still_ = false;        // no fix of this run moves particles
+  bool quiet_ = false;        // this step changes nothing
   double last_interval_ = 0;  // s, of the last coupling
   long long next_frame_ = 0;  // step from which on a frame is due
 

@@ -173,6 +173,24 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
   return w;
 }
 
+std::vector<std::string> scene_savings(const Settings& s, const SceneFacts& facts) {
+  std::vector<std::string> text;
+  for (int d = 0; d < 3; ++d)
+    if (s.fine[d] == 1) text.push_back(std::string("velocity and gradients in ") + "xyz"[d] + ", one fine cell deep");
+  if (s.one_way) {
+    text.push_back("void fraction, reactions and kicks of the particles: one-way");
+  } else {
+    if (facts.still)
+      text.push_back(
+          "no particle moves: contacts and drag only at couplings and outputs, void fraction once, no kicks");
+    if (s.hold_flux == Choice::kOff) text.push_back("the flux between couplings: hold off");
+  }
+  if (s.formulation == Formulation::kB) text.push_back("forces of grad p on particles: formulation B");
+  if (facts.d_min == facts.d_max && facts.d_max > 0) text.push_back("mean diameters: all particles are of one size");
+  if (s.fluid.convection == Convection::kNone) text.push_back("convection: none");
+  return text;
+}
+
 std::string accuracy_text(const Accuracy& a) {
   const auto percent = [](double x) { return brief(100 * x) + " %"; };
   const auto range = [](const StepControl& c) {
@@ -215,6 +233,7 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
                        (s.formulation == Formulation::kA ? ", pressure gradient force" : "") +
                        (s.fluid.gap_friction ? ", gap friction" : "") + (s.one_way ? ", one-way" : ""));
   line("not modelled", "turbulence, heat, species, lift, virtual mass, Basset force, rotation by the fluid");
+  for (const std::string& saving : scene_savings(s, facts)) line("not computed", saving);
   line("domain", "x " + text(s.domain[0]) + " to " + text(s.domain[1]) + ", y " + text(s.domain[2]) + " to " +
                      text(s.domain[3]) + ", z " + text(s.domain[4]) + " to " + text(s.domain[5]) + " m");
   Int3 coarse = s.fine;

@@ -28,6 +28,7 @@ struct SceneFacts {
   double contact_time = 0;                  ///< s; 0: unknown
   std::string contact_time_from;            ///< how it was found
   std::vector<WallFacts> walls;
+  bool still = false;  ///< no fix moves particles
   int ranks = 1;
   Int3 bricks{1, 1, 1};
 };
@@ -52,6 +53,9 @@ SceneNumbers scene_numbers(const Settings& settings, const FineGrid& grid, const
 /// DEM steps per coupling when the script says `every auto`: the longest interval within cfl cell widths and half a
 /// response time, from 1 to 100.
 int automatic_every(const SceneNumbers& numbers, const Settings& settings, double dem_dt);
+
+/// What this scene doesn't need and doesn't pay for, one line each.
+std::vector<std::string> scene_savings(const Settings& settings, const SceneFacts& facts);
 
 /// One sentence each, with what to change.
 std::vector<std::string> scene_warnings(const Settings& settings, const FineGrid& grid, const SceneFacts& facts,
