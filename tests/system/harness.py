@@ -96,13 +96,13 @@ class Run:
 
 
 def read_thermo(path):
-    """All thermo lines of all runs in a log as a dict of columns; headers must not change between runs."""
+    """Thermo lines in a log as a dict of columns: of all runs, or of those after the header last changed."""
     names, rows = None, []
     with open(path) as f:
         for line in f:
             words = line.split()
             if words and words[0] == "Step":
-                names = words
+                names, rows = words, rows if words == names else []
             elif names and len(words) == len(names) and re.fullmatch(r"\d+", words[0]):
                 try:
                     rows.append([float(w) for w in words])

@@ -38,12 +38,14 @@ run {20 * every}
 
 
 def momentum_of_fluid(frame, widths, rho):
-    """rho times the sum over faces of eps u V; faces wrap (periodic)."""
+    """rho times the sum over faces of eps u V, in periodic directions, where faces wrap; 0 in others."""
     eps = frame["eps"][()]
     total = np.zeros(3)
     for d in range(3):
         axis = 2 - d  # arrays are [z][y][x]
         u = frame["faces/u" + "xyz"[d]][()]
+        if u.shape != eps.shape:
+            continue
         total[d] = rho * np.sum(0.5 * (eps + np.roll(eps, 1, axis)) * u) * np.prod(widths)
     return total
 
