@@ -58,7 +58,7 @@ struct FluidSettings {
   double viscosity = 0;                                ///< mu, Pa s
   std::array<std::vector<BoundaryCondition>, 6> side;  ///< first entry: the whole side; then patches, later ones on top
   Vec3 initial_velocity{0, 0, 0};                      ///< u, interstitial, m/s
-  double initial_vortex = 0;                           ///< Taylor-Green vortices in x and y on top of it: amplitude, m/s
+  double initial_vortex = 0;        ///< Taylor-Green vortices in x and y on top of it: amplitude, m/s
   Vec3 pressure_gradient{0, 0, 0};  ///< imposed mean dp/dx in periodic directions, Pa/m (positive: pushes to lo)
   std::array<bool, 3> flow_rate_set{false, false, false};
   Vec3 flow_rate{0, 0, 0};  ///< wanted mean of (eps u + eps_s v) in periodic directions, m/s
