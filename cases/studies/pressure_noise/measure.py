@@ -7,7 +7,6 @@ import os
 import h5py
 import numpy as np
 
-from beds import random_bed
 from harness import data_file, read_thermo
 
 WIDTH, LOW, HIGH, HEIGHT, V, D, RHO = 16, 5, 13, 24, 1.0, 1e-3, 1.2
@@ -16,7 +15,9 @@ FROM = 1e-3   # s
 
 
 def prepare(folder, choices):
-    x = random_bed(WIDTH, HIGH - LOW, EPS, 3) + np.array([0, 0, LOW])
+    n = round((1 - EPS) * WIDTH**2 * (HIGH - LOW) / (np.pi / 6))
+    # Independent places, so that crossings are: they overlap, but never move against each other.
+    x = np.random.default_rng(3).uniform([0, 0, LOW], [WIDTH, WIDTH, HIGH], (n, 3))
     box = f"0 {WIDTH * D} 0 {WIDTH * D} 0 {HEIGHT * D}"
     with open(os.path.join(folder, "particles.data"), "w") as f:
         f.write(data_file(box, x * D, D, 1e8, np.tile([0.3 * V, 0.2 * V, V], (len(x), 1))))
