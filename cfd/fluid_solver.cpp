@@ -4,6 +4,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "compiled.h"
 #include "pressure_solver.h"
 #include "viscous_solver.h"
 
@@ -108,7 +109,8 @@ void FluidSolver::start(const CellField<FineGrid>& eps) {
 /// Adds u = U sin(kx x) cos(ky y), v = -U kx/ky cos(kx x) sin(ky y), one wavelength over the domain's x and y.
 void FluidSolver::add_vortex() {
   const Axis &x = grid_.axis[0], &y = grid_.axis[1];
-  const double kx = 2 * std::acos(-1.0) / x.length(), ky = 2 * std::acos(-1.0) / y.length(), U = settings_.initial_vortex;
+  const double kx = 2 * std::acos(-1.0) / x.length(), ky = 2 * std::acos(-1.0) / y.length(),
+               U = settings_.initial_vortex;
   for_each(faces_[0], [&](int i, int j, int k) {
     u_[0](i, j, k) += U * std::sin(kx * (x.node(i) - x.lo())) * std::cos(ky * (y.centre(j) - y.lo()));
   });
@@ -159,7 +161,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
       predict(step, exchange);
       project(step, exchange, report);
       correct();
-      hold_flow_rate(exchange);
+      if (compiled::kFlowRate) hold_flow_rate(exchange);
       const double cfl = courant_rate(u_next_) * step.dt;
       if (!std::isfinite(cfl)) {
         std::ostringstream text;
@@ -365,7 +367,7 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
   if (mu > 0 && !implicit_viscosity_) momentum_.viscous(mu, eps_[0], u_tilde_, rhs_);
   pressure_force(rhs_, exchange);
 
-  const bool gap = settings_.gap_friction;
+  const bool gap = compiled::kGapFriction && settings_.gap_friction;
   double friction = 0;  // of the walls of a one-cell gap, 12 mu/W^2
   for (int d = 0; gap && d < 3; ++d)
     if (!boundaries_.component_solved(d)) friction = 12 * mu / (grid_.axis[d].length() * grid_.axis[d].length());

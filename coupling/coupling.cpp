@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "../cfd/compiled.h"
 #include "deposit.h"
 #include "drag.h"
 #include "eps_bound.h"
@@ -117,7 +118,9 @@ class Coupling::Impl {
   MeanMotion& motion();
 
   void find_slack();
-  bool formulation_A() const { return settings_.formulation == Formulation::kA; }
+  template <bool kHolding, bool kHeld>
+  void forces(Particles& p, double dem_dt, bool accumulate);
+  bool formulation_A() const { return compiled::kFormulationA && settings_.formulation == Formulation::kA; }
   bool inside(const double x[3]) const;
   double law_at(const Particles& p, int i, const Vec3& slip) const;
   void stiff_forces(const Particles& p, int i, double k_per_b, double dem_dt, const Vec3& steady, const Vec3& slip,
@@ -240,6 +243,7 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
   ledger_ = Ledger{};
   find_particles(p);
   wrap_up(p, interval, dem_dt);
+  check = compiled::kAccuracy && check;
   if (check) remember_forces(p);
   deposit(p);
   const CellField<FineGrid>* q = replacement_source(p, interval);
@@ -307,11 +311,12 @@ void Coupling::Impl::set_outside(const Particles& p, int i) {
 
 void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
   Stopwatch watch(shares_.map);
-  if (holding_) motion().update(p);
+  if (compiled::kHold && holding_) motion().update(p);
   const double r = history_.extrapolation(interval);
   flux_velocity_.resize(inside_.size());
   response_.resize(inside_.size());
   Extremes mine;
+  const bool held = compiled::kHeld && p.some_held();
   const double repeated = repeated_ * dem_dt;
   repeated_ = 0;
   auto note_impulse = [&](const double* s) {
@@ -327,9 +332,9 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
       for (int d = 0; d < 3; ++d) s[kImpulse + d] += repeated * (s[kDragForce + d] + s[kPressureForce + d]);
     const bool is_new = s[kVoidFraction] == 0;
     Vec3 c{0, 0, 0}, pressure;
-    if (holding_ && s[kDragCoefficient] > 0) motion().change_at(p.x[i], c, pressure);
+    if (compiled::kHold && holding_ && s[kDragCoefficient] > 0) motion().change_at(p.x[i], c, pressure);
     const double b =
-        p.held(i) ? s[kResponse] : -p.mass[i] / interval * std::expm1(-s[kResponse] * interval / p.mass[i]);
+        held && p.held(i) ? s[kResponse] : -p.mass[i] / interval * std::expm1(-s[kResponse] * interval / p.mass[i]);
     response_[q] = b;
     mine.response = std::max(mine.response, b);
     for (int d = 0; d < 3; ++d) {
@@ -536,11 +541,12 @@ void Coupling::Impl::kick(Particles& p, double interval) {
   Stencil w;
   double u[3], size = 0;
   std::array<Sum, 3> given;
+  const bool held = compiled::kHeld && p.some_held();
   for (std::size_t q = 0; q < inside_.size(); ++q) {
     const int i = inside_[q];
     reader_.weights(p.x[i], w);
     reader_.at<3>(w, u);
-    const double scale = response_[q] * interval, inverse_mass = p.held(i) ? 0 : 1 / p.mass[i];
+    const double scale = response_[q] * interval, inverse_mass = held && p.held(i) ? 0 : 1 / p.mass[i];
     for (int d = 0; d < 3; ++d) {
       const double k = scale * (u[d] - p.state[i][kSeenVelocity + d]);
       p.v[i][d] += k * inverse_mass;
@@ -582,10 +588,12 @@ void Coupling::Impl::read(Particles& p, double interval) {
     reader_.load(fluid_.velocity(), eps_field);
   }
   const double smallest = -extremes_.minus_radius;
-  const bool polydisperse = report_.particles > 0 && extremes_.radius > smallest * (1 + 1e-9);
+  const bool polydisperse =
+      compiled::kPolydisperse && report_.particles > 0 && extremes_.radius > smallest * (1 + 1e-9);
   if (polydisperse) motion().average_diameters(p, inside_, extremes_.radius, terms_);
 
   const double rho = fluid_.density(), mu = fluid_.viscosity();
+  const bool held = compiled::kHeld && p.some_held();
   Extremes mine;
   Stencil w;
   double out[Reader::kFields] = {0, 0, 0, 1, 0, 0, 0};
@@ -618,7 +626,7 @@ void Coupling::Impl::read(Particles& p, double interval) {
       mine.drag = std::max(mine.drag, b * std::abs(out[d] - p.v[i][d]));
     }
     mine.drag_coefficient = std::max(mine.drag_coefficient, b);
-    if (!p.held(i)) mine.drag_number = std::max(mine.drag_number, b_A / eps * interval / p.mass[i]);
+    if (!held || !p.held(i)) mine.drag_number = std::max(mine.drag_number, b_A / eps * interval / p.mass[i]);
   }
   for (int i : leaving_) set_outside(p, i);
   double largest[4] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number}, all[4];
@@ -646,7 +654,7 @@ void Coupling::Impl::rebuild_pressure_force(Particles& p) {
 
 void Coupling::Impl::choose_hold(double drag_number) {
   report_.max_drag_number = drag_number;
-  if (settings_.one_way || settings_.hold_flux == Choice::kOff)
+  if (!compiled::kHold || settings_.one_way || settings_.hold_flux == Choice::kOff)
     holding_ = false;
   else if (settings_.hold_flux == Choice::kOn)
     holding_ = true;
@@ -712,12 +720,23 @@ void Coupling::Impl::close_ledger(double interval) {
 // monotone for every k. Stiff steps (k > kStiff): stiff_forces().
 void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
   Stopwatch watch(shares_.force);
+  const bool hold = compiled::kHold && holding_, held = compiled::kHeld && p.some_held();
+  if (hold) motion().update(p);
+  any_stiff_ = false;
+  if (hold)
+    forces<compiled::kHold, compiled::kHeld>(p, dem_dt, accumulate);
+  else if (held)
+    forces<false, compiled::kHeld>(p, dem_dt, accumulate);
+  else
+    forces<false, false>(p, dem_dt, accumulate);
+}
+
+template <bool kHolding, bool kHeld>
+void Coupling::Impl::forces(Particles& p, double dem_dt, bool accumulate) {
   const bool add_path = accumulate && !path_counted_;
   if (accumulate) path_counted_ = false;
-  if (holding_) motion().update(p);
   const bool A = formulation_A();
   const double lift = -fluid_.density();
-  any_stiff_ = false;
   Vec3 c{0, 0, 0}, pressure{0, 0, 0};
   for (int i = 0; i < p.n; ++i) {
     if (!p.takes_part(i)) continue;
@@ -725,7 +744,7 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
     const double b = s[kDragCoefficient];
     const double sphere = sphere_volume(p.radius[i]), buoyancy = b > 0 ? lift * sphere : 0.0;
     double volume = 0, response = b;
-    if (holding_ && b > 0) {
+    if (kHolding && b > 0) {
       motion().change_at(p.x[i], c, pressure);
       volume = A ? sphere : 0.0;
       response = s[kResponse] / s[kVoidFraction];
@@ -737,7 +756,7 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
       slip[d] = s[kSeenVelocity + d] - p.v[i][d];
       steady[d] = other[d] + s[kPressureForce + d] + volume * pressure[d];
     }
-    const double k = p.held(i) ? 0 : response * dem_dt / p.mass[i];
+    const double k = kHeld && p.held(i) ? 0 : response * dem_dt / p.mass[i];
     const bool stiff = k > kStiff;
     Vec3 first, second;  // forces of the half kicks before and after this step's end
     if (stiff) {
@@ -755,9 +774,9 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
       s[kDragForce + d] = received - s[kPressureForce + d];
       s[kLateForce + d] = second[d] - first[d];
       if (add_path) s[kDisplacement + d] += p.v[i][d] * dem_dt;
-      if (!p.is_frozen(i)) p.f[i][d] = first[d];
+      if (!kHeld || !p.is_frozen(i)) p.f[i][d] = first[d];
     }
-    if (holding_) c = pressure = {0, 0, 0};
+    if (kHolding) c = pressure = {0, 0, 0};
   }
 }
 

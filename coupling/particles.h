@@ -38,6 +38,8 @@ struct Particles {
   double* const* state = nullptr;  ///< state[i][ParticleColumn]
 
   bool takes_part(int i) const { return !mask || (mask[i] & group); }
+  /// false: certainly none is.
+  bool some_held() const { return mask && (moving != ~0 || frozen != 0); }
   bool is_frozen(int i) const { return mask && (mask[i] & frozen); }
   /// What holds it takes up its momentum: as if its mass were infinite.
   bool held(int i) const { return mask && (!(mask[i] & moving) || is_frozen(i)); }

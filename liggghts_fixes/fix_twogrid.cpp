@@ -30,6 +30,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "cfd/compiled.h"
 #include "pair_switch.h"
 #include "petsc_session.h"
 #include "scene_facts.h"
@@ -220,6 +221,7 @@ void FixTwogrid::find_motion() {
     if (std::string(modify->fix[f]->style) == "freeze") frozen_groups_ |= modify->fix[f]->groupbit;
   }
   still_ = moving_groups_ == 0;
+  if (moving_groups_ & 1) moving_groups_ = ~0;  // group all
 }
 
 void FixTwogrid::init() {
@@ -348,12 +350,13 @@ void FixTwogrid::pre_force(int) {
   guarded([&] {
     ++steps_since_coupling_;
     time_since_coupling_ += update->dt;
-    coupled_now_ = accuracy_.on() && script_.every_auto ? steps_since_coupling_ >= accuracy_.every()
-                                                        : update->ntimestep % script_.settings.every == 0;
+    coupled_now_ = compiled::kAccuracy && accuracy_.on() && script_.every_auto
+                       ? steps_since_coupling_ >= accuracy_.every()
+                       : update->ntimestep % script_.settings.every == 0;
     if (coupled_now_) couple();
     // Nothing moves: between couplings and outputs every step is the one before, contacts included.
-    quiet_ = still_ && !coupled_now_ && update->ntimestep != output->next && modify->n_end_of_step == 1 &&
-             update->ntimestep != update->laststep;
+    quiet_ = compiled::kHeld && still_ && !coupled_now_ && update->ntimestep != output->next &&
+             modify->n_end_of_step == 1 && update->ntimestep != update->laststep;
     if (still_) skip_pair(*update->integrate, quiet_, force->pair && force->pair->compute_flag);
   });
 }
@@ -361,9 +364,9 @@ void FixTwogrid::pre_force(int) {
 void FixTwogrid::couple() {
   watch_particles(signal_seen());
   Particles p = particles();
-  const bool check = accuracy_.due();
+  const bool check = compiled::kAccuracy && accuracy_.due();
   coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_, check);
-  accuracy_.count_coupling();
+  if (compiled::kAccuracy) accuracy_.count_coupling();
   if (check) adjust_steps();
   // The coupling has changed velocities. Ghosts must follow, or else the two sides of a contact across a border of
   // ranks or of the box see different damping, and momentum is lost.
