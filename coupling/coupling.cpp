@@ -25,6 +25,8 @@ constexpr double kHoldAbove = 0.05, kHoldBelow = 0.025;
 
 /// Interval over response time above which b' is so far below b that the fluid's own drag has to be completed.
 constexpr double kComplete = 0.02;
+/// The same for the time in which a particle crosses what it reads: below, b'' is b to 10 %.
+constexpr double kFollow = 0.2;
 
 /// Step over response time above which a step counts as stiff: below, the error of a constant b is under 1e-3.
 constexpr double kStiff = 0.02;
@@ -49,7 +51,7 @@ class Stopwatch {
 /// Largest values over all particles that the fixed-point sums and the choice to hold the flux need.
 struct Extremes {
   double radius = 0, minus_radius = -1e300, mass = 0, momentum = 0, reaction = 0, response = 0, drag_coefficient = 0,
-         drag = 0, drag_number = 0;
+         drag = 0, drag_number = 0, follow = 0;
   long long bad_tag = -1;
 };
 
@@ -108,6 +110,7 @@ class Coupling::Impl {
   const CellField<FineGrid>* replacement_source(const Particles& p, double interval);
   void react(const Particles& p, double interval);
   void complete_drag(const Particles& p, double interval);
+  double deviation_response(const Particles& p, int i) const;
   void kick(Particles& p, double interval);
   void read(Particles& p, double interval);
   void rebuild_pressure_force(Particles& p);
@@ -132,6 +135,7 @@ class Coupling::Impl {
   ParticleRegion region_;
   std::array<double, 6> slack_{};  // how far beyond a side a particle still counts as inside (m)
   ParticleGrid nodes_;
+  double read_length_ = 0;  // of what a particle reads (m)
   VolumeDeposit volume_deposit_;
   SolidLimit limit_;
   Inject inject_;
@@ -187,6 +191,12 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
   solid_.reset(own_nodes);
   eps_node_.reset(grown_unless_empty(own_nodes, 1), 1.0);
   if (formulation_A()) residual_ = Residual(comm_, fluid_);
+  read_length_ = read_width(settings_);
+  if (read_length_ == 0) {
+    read_length_ = 1e300;
+    for (const Axis& a : reader_.map().grid().axis)
+      if (a.n() > 1) read_length_ = std::min(read_length_, a.length() / a.n());
+  }
   find_slack();
 }
 
@@ -249,7 +259,7 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
   const CellField<FineGrid>* q = replacement_source(p, interval);
   if (!settings_.one_way) {
     react(p, interval);
-    if (report_.max_drag_number > kComplete) complete_drag(p, interval);
+    if (report_.max_drag_number > kComplete || extremes_.follow > kFollow) complete_drag(p, interval);
   }
   FluidReport fluid;
   {
@@ -492,9 +502,24 @@ void Coupling::Impl::react(const Particles& p, double interval) {
 
 /// What a particle reads is a mean over faces, R_p u. In react() face f feels, of particle p, w_pf times
 ///   -I_p/D + b'_p (u_ref - u_f) = -I_p/D + b'_p (u_ref - R_p u) + b'_p (R_p u - u_f):
-/// the drag of the fluid's own deviation from what the particle reads, with b' where b is meant. The rest of it,
-/// (b - b') (R_p u - u_f), is added here with u of the interval's begin. Its sum over the faces is zero: no particle
-/// receives it. Being explicit it is kept below half of the implicit part (b D/m up to 0.87 in full).
+/// the last is drag on the fluid's own deviation from what the particle reads, with a coefficient that hangs on the
+/// interval. Meant is b''_p = (m/T)(1 - exp(-b T/m)), T the time in which the particle crosses what it reads: heavy
+/// particles resist the deviation with b in full, light ones would follow it, did they see it. The rest,
+/// (b'' - b') (R_p u - u_f), is added here with u of the interval's begin. Its sum over the faces is zero: no particle
+/// receives it. Being explicit it is kept below half of the implicit part.
+double Coupling::Impl::deviation_response(const Particles& p, int i) const {
+  const double* s = p.state[i];
+  const double b = s[kResponse];
+  if (p.held(i)) return b;
+  double v2 = 0, slip2 = 0;
+  for (int d = 0; d < 3; ++d) {
+    const double slip = s[kFluidVelocity + d] - p.v[i][d];
+    v2 += p.v[i][d] * p.v[i][d];
+    slip2 += slip * slip;
+  }
+  return b * mean_decay(b * read_length_ / (p.mass[i] * (std::sqrt(v2) + std::sqrt(slip2)) + 1e-300));
+}
+
 void Coupling::Impl::complete_drag(const Particles& p, double interval) {
   Stopwatch watch(shares_.map);
   const FaceField<FineGrid>& u = fluid_.velocity();
@@ -505,7 +530,7 @@ void Coupling::Impl::complete_drag(const Particles& p, double interval) {
   q.resize(inside_.size());
   for (std::size_t n = 0; n < inside_.size(); ++n) {
     const int i = inside_[n];
-    const double b = std::min(p.state[i][kResponse] - response_[n], 0.5 * response_[n]);
+    const double b = std::clamp(deviation_response(p, i) - response_[n], -response_[n], 0.5 * response_[n]);
     reader_.weights(p.x[i], w);
     reader_.at<3>(w, read);
     for (int d = 0; d < 3; ++d) {
@@ -513,7 +538,7 @@ void Coupling::Impl::complete_drag(const Particles& p, double interval) {
       largest[0] = std::max(largest[0], std::abs(q[n][d]));
     }
     q[n][3] = b;
-    largest[1] = std::max(largest[1], b);
+    largest[1] = std::max(largest[1], std::abs(b));
   }
   MPI_Allreduce(largest, all, 2, MPI_DOUBLE, MPI_MAX, comm_);
   const std::array<FixedPoint, 2> scale{FixedPoint(all[0], terms_), FixedPoint(all[1], terms_)};
@@ -626,11 +651,18 @@ void Coupling::Impl::read(Particles& p, double interval) {
       mine.drag = std::max(mine.drag, b * std::abs(out[d] - p.v[i][d]));
     }
     mine.drag_coefficient = std::max(mine.drag_coefficient, b);
-    if (!held || !p.held(i)) mine.drag_number = std::max(mine.drag_number, b_A / eps * interval / p.mass[i]);
+    if (!held || !p.held(i)) {
+      const double rate = b_A / eps / p.mass[i];
+      const double* v = p.v[i];
+      const double crossing = slip + std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+      mine.drag_number = std::max(mine.drag_number, rate * interval);
+      mine.follow = std::max(mine.follow, rate * read_length_ / (crossing + 1e-300));
+    }
   }
   for (int i : leaving_) set_outside(p, i);
-  double largest[4] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number}, all[4];
-  MPI_Allreduce(largest, all, 4, MPI_DOUBLE, MPI_MAX, comm_);
+  double largest[5] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number, mine.follow}, all[5];
+  MPI_Allreduce(largest, all, 5, MPI_DOUBLE, MPI_MAX, comm_);
+  extremes_.follow = all[4];
   choose_hold(all[3]);
   if (settings_.one_way || !(A || holding_)) return;
   MeanMotion::Largest scale;

@@ -1,0 +1,51 @@
+#!/usr/bin/python3
+"""The short mode of cases/mueller_bed: script, comparison and picture work, and the bubbling bed carries its weight.
+
+Without this test the case could rot: a renamed keyword, a comparison that reads the wrong profile, a bed that loses grains.
+Pressure against weight is a coarse check on so short a mean (some two periods of 0.2 s of the bed's sloshing: 8 %).
+"""
+import csv
+import os
+import subprocess
+import tempfile
+
+import numpy as np
+
+from harness import MPIRUN, Checks, arguments, read_thermo
+
+CASE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cases", "mueller_bed")
+SHORT = "tend 0.7 tavg 0.35 tframe 0.01 kn 50 dt 2e-5 every 5 nx 12 ny 2 nz 32 rx 1 ry 1 rz 1".split()
+WEIGHT = 9240 * 1000 * np.pi / 6 * 1.2e-3**3 * (1 - 1.2 / 1000) * 9.81 / (44e-3 * 10e-3)  # Pa, buoyant
+
+
+def main():
+    executable, _ = arguments()
+    c = Checks("short run of the bed of Mueller et al.")
+    with tempfile.TemporaryDirectory() as out:
+        options = [w for name, value in zip(SHORT[::2], SHORT[1::2]) for w in ("-var", name, value)]
+        done = subprocess.run(MPIRUN + ["-np", "1", os.path.abspath(executable), "-in", os.path.join(CASE, "in.mueller_bed"), "-log", os.path.join(out, "log"),
+                                        "-var", "out", out, *options], cwd=out, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if not c.true("the run ends well", done.returncode == 0):
+            print(done.stdout[-3000:])
+            c.end()
+        compared = subprocess.run([os.path.join(CASE, "compare.py"), out, "--from", "0.35", "--no-verdict"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        print(compared.stdout)
+        c.true("the comparison ends well, with all five profiles and a picture", compared.returncode == 0 and compared.stdout.count("rms difference") == 5 and
+               os.path.getsize(os.path.join(out, "profiles.png")) > 10000)
+        rows = list(csv.DictReader(open(os.path.join(out, "profiles.csv"))))
+        eps = np.array([float(r["twogrid"]) for r in rows if r["quantity"] == "void_fraction"])
+        c.true(f"void fractions between {eps.min():.2f} and {eps.max():.2f} (wanted: within 0.35 to 1, not all alike)", 0.35 < eps.min() < eps.max() - 0.05 < 1)
+        vz = np.array([float(r["twogrid"]) for r in rows if r["quantity"] == "particle_vz" and float(r["height_mm"]) == 25])
+        c.true(f"grains rise in the middle ({vz[0]:+.3f} m/s) and sink at the walls ({vz[-2]:+.3f})", vz[0] > 0 > vz[-2])
+        mean = np.loadtxt(os.path.join(out, "mean.txt"))
+        dp = mean[mean[:, 1] > 0.35, 2].mean()
+        c.below(f"pressure drop {dp:.1f} Pa against the weight {WEIGHT:.1f} Pa, relative", abs(dp / WEIGHT - 1), 0.08)
+        t = read_thermo(os.path.join(out, "log"))
+        c.below("solid volume, relative error", max(t["gas[6]"] if "gas[6]" in t else t["f_gas[6]"]), 1e-13)
+        c.below("momentum exchange, relative error", max(t["gas[7]"] if "gas[7]" in t else t["f_gas[7]"]), 1e-12)
+        c.true("9240 grains at the end", "9216" not in done.stdout and "9240 atoms" in done.stdout)
+    c.end()
+
+
+if __name__ == "__main__":
+    main()
