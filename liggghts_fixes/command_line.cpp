@@ -57,6 +57,11 @@ CommandLine split_command_line(const std::vector<std::string>& words) {
         while (i < words.size() && words[i][0] != '-') c.liggghts.push_back(words[i++]);
     } else if (name == "-version" || name == "--version") {
       c.version = true;
+    } else if (name == "-particles") {
+      if (i == words.size())
+        throw std::invalid_argument(
+            "command line: found -particles at the end, wanted auto, stock or a kernel's name after it");
+      c.particles = words[i++];
     } else if (is_petsc(name)) {
       c.petsc.push_back(name);
       if (i < words.size() && !is_switch(words[i])) c.petsc.push_back(words[i++]);

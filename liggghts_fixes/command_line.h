@@ -10,6 +10,7 @@ struct CommandLine {
   std::vector<std::string> liggghts;  ///< begins with the program's name
   std::vector<std::string> petsc;     ///< likewise
   bool version = false;               ///< -version was asked for
+  std::string particles = "auto";     ///< -particles: what evaluates contacts, see register_particles()
 };
 
 /// LIGGGHTS' switches go to LIGGGHTS, which ends on one it doesn't know; PETSc's options, known by their beginnings

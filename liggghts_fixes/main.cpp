@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
     for (std::string& w : line.liggghts) words.push_back(w.data());
     lammps = new LAMMPS_NS::LAMMPS(int(words.size()), words.data(), MPI_COMM_WORLD);
     twogrid::register_styles(*lammps);
+    twogrid::register_particles(*lammps, line.particles);
     const int signal = run_script(*lammps);
     status = signal == 0 ? 0 : 128 + signal;
     delete lammps;

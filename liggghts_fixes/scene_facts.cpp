@@ -11,11 +11,14 @@
 #include <lammps.h>
 #include <modify.h>
 #include <mpi.h>
+#include <pair_gran.h>
 #include <primitive_wall.h>
 #include <update.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "granular_contacts.h"
 
 namespace twogrid {
 namespace {
@@ -137,6 +140,20 @@ void read_contact_time(LAMMPS& lammps, SceneFacts& facts) {
   facts.contact_time_from = characteristic ? "Hertz at the characteristic velocity" : "Hertz at 1 m/s";
 }
 
+/// LIGGGHTS' model hooke: k_n = 16/15 sqrt(R*) E* (15 m* V^2/(16 sqrt(R*) E*))^(1/5), V the characteristic velocity.
+void read_equal_stiffness(LAMMPS& lammps, SceneFacts& facts) {
+  auto* pair = dynamic_cast<PairGran*>(lammps.force->pair);
+  if (!pair || !pair->contact_match("normal", "hooke") || facts.d_mean <= 0 || facts.density <= 0) return;
+  const int types = lammps.atom->ntypes;
+  const double Y = property(lammps, "youngsModulus", "peratomtype", types);
+  const double nu = property(lammps, "poissonsRatio", "peratomtype", types);
+  const double V = property(lammps, "characteristicVelocity", "scalar", 0);
+  if (Y <= 0 || V <= 0) return;
+  const double R = 0.25 * facts.d_mean, m = 0.5 * facts.density * M_PI / 6 * std::pow(facts.d_mean, 3);
+  const double E = Y / (2 * (1 - nu * nu)), root = std::sqrt(R) * E;
+  facts.equal_kn = 16.0 / 15 * root * std::pow(15 * m * V * V / (16 * root), 0.2);
+}
+
 }  // namespace
 
 SceneFacts scene_facts(LAMMPS& lammps, int groupbit) {
@@ -151,6 +168,8 @@ SceneFacts scene_facts(LAMMPS& lammps, int groupbit) {
   read_walls(lammps, facts);
   facts.dem_dt = lammps.update->dt;
   read_contact_time(lammps, facts);
+  read_equal_stiffness(lammps, facts);
+  facts.contacts = contacts_text(lammps);
   facts.ranks = lammps.comm->nprocs;
   for (int d = 0; d < 3; ++d) facts.bricks[d] = lammps.comm->procgrid[d];
   return facts;

@@ -169,6 +169,10 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
           " (mesh or cylinder) stands inside the fluid's domain, and the fluid blows through it: keep walls on the "
           "domain's sides, or accept that the fluid doesn't see it");
   }
+  if (facts.equal_kn > 0)
+    w.push_back("model hooke raises a number to a power at every contact: hooke/stiffness with kn " +
+                brief(facts.equal_kn) +
+                " N/m has the same contact time between these particles, and runs some three times as fast");
   if (s.one_way) w.push_back("one-way: the particles feel the fluid, the fluid does not feel them");
   return w;
 }
@@ -273,6 +277,7 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
                        (facts.contact_time > 0 ? ", a contact lasts " + brief(facts.contact_time / facts.dem_dt) +
                                                      " steps (" + facts.contact_time_from + ")"
                                                : ", contact time unknown"));
+  if (!facts.contacts.empty()) line("contacts", facts.contacts);
   const double interval = s.every * facts.dem_dt;
   line("coupling interval",
        std::to_string(s.every) + " steps = " + brief(interval) + " s" +

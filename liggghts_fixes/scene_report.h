@@ -27,6 +27,8 @@ struct SceneFacts {
   double dem_dt = 0;                        ///< s
   double contact_time = 0;                  ///< s; 0: unknown
   std::string contact_time_from;            ///< how it was found
+  std::string contacts;                     ///< what evaluates them; empty: no granular pair style
+  double equal_kn = 0;  ///< k_n of hooke/stiffness for the same contacts as model hooke, N/m; 0: none
   std::vector<WallFacts> walls;
   bool still = false;  ///< no fix moves particles
   int ranks = 1;

@@ -5,8 +5,13 @@
 #include <modify.h>
 #include <run.h>
 
+#include <stdexcept>
+
 #include "fix_order.h"
+#include "fix_plane_wall.h"
+#include "fix_sphere_motion.h"
 #include "fix_twogrid.h"
+#include "granular_contacts.h"
 
 namespace {
 
@@ -41,9 +46,35 @@ void run(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
   LAMMPS_NS::Run(lammps).command(narg, arg);
 }
 
+FixCreator stock_wall = nullptr;  // LIGGGHTS' own, as its map held it
+const twogrid::ContactKernel* contact_kernel = nullptr;
+
+LAMMPS_NS::Fix* make_wall(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  LAMMPS_NS::Fix* plane = twogrid::make_plane_wall(lammps, narg, arg, *contact_kernel);
+  return plane ? plane : stock_wall(lammps, narg, arg);
+}
+
+LAMMPS_NS::Fix* make_sphere_motion(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  return new twogrid::FixSphereMotion(lammps, narg, arg);
+}
+
 }  // namespace
 
 namespace twogrid {
+
+void register_particles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel) {
+  if (kernel == "stock") return;
+  contact_kernel = find_contact_kernel(kernel.c_str());
+  if (!contact_kernel && kernel != "auto")
+    throw std::invalid_argument("command line: found -particles " + kernel +
+                                ", wanted auto, stock, AVX2 or AVX-512 (where this processor has it)");
+  auto& fixes = *(lammps.modify->*member(FixMap{}));
+  fixes["nve/sphere"] = make_sphere_motion;
+  if (!contact_kernel) return;
+  stock_wall = fixes["wall/gran"];
+  fixes["wall/gran"] = make_wall;
+  register_contacts(*contact_kernel);
+}
 
 void register_styles(LAMMPS_NS::LAMMPS& lammps) {
   (*(lammps.modify->*member(FixMap{})))[FixTwogrid::kStyle] = make_fix_twogrid;

@@ -1,0 +1,5 @@
+#include "contact_kernel_code.h"
+
+namespace twogrid {
+const ContactKernel kContactKernelAvx512{"AVX-512", pack, near_pairs, touching, contact_forces, wall_forces};
+}
