@@ -32,9 +32,12 @@ constexpr double kFollow = 0.2;
 constexpr double kStiff = 0.02;
 constexpr int kStiffRounds = 4;
 
-/// (1 - e^-k)/k, the mean of e^-s over [0, k].
+/// (1 - e^-k)/k, the mean of e^-s over [0, k]: for k up to kStiff to 1e-14, and for any.
+double mean_decay_series(double k) {
+  return 1 - k * (1.0 / 2 - k * (1.0 / 6 - k * (1.0 / 24 - k * (1.0 / 120 - k / 720))));
+}
 double mean_decay(double k) {
-  return k < kStiff ? 1 - k * (0.5 - k * (1.0 / 6 - k / 24)) : -std::expm1(-k) / k;
+  return k <= kStiff ? mean_decay_series(k) : -std::expm1(-k) / k;
 }
 
 /// Adds the CPU time of its life to a share.
@@ -123,6 +126,11 @@ class Coupling::Impl {
   void find_slack();
   template <bool kHolding, bool kHeld>
   void forces(Particles& p, double dem_dt, bool accumulate);
+  void plain_forces(Particles& p, double dem_dt);
+  void find_decay(Particles& p, double dem_dt);
+  double plain_decay(double b, double mass) const;
+  template <bool kHolding, bool kHeld>
+  void force_on(Particles& p, int i, double dem_dt, bool accumulate, bool add_path);
   bool formulation_A() const { return compiled::kFormulationA && settings_.formulation == Formulation::kA; }
   bool inside(const double x[3]) const;
   double law_at(const Particles& p, int i, const Vec3& slip) const;
@@ -147,6 +155,7 @@ class Coupling::Impl {
   Residual residual_;        // formulation A only
   double known_volume_ = 0;  // of the particles at the last coupling (m3)
   bool started_ = false, holding_ = false, path_counted_ = false;
+  double decay_dt_ = 0;  // DEM step of the particles' kDecay (s); 0: none yet
 
   // Fields of this coupling.
   Array3<long long> solid_, inserted_;
@@ -164,7 +173,7 @@ class Coupling::Impl {
   Extremes extremes_;
   long long new_count_ = 0;
   double terms_ = 1;
-  bool any_stiff_ = false;  // in this rank's last step
+  std::vector<int> stiff_;  // particles of this rank's last step, for finish_step()
   int repeated_ = 0;        // steps since the last coupling whose force was that of the step before
   bool kept_ = false;       // nothing moved at the last coupling: its void fraction may be that of this one too
   long long kept_particles_ = 0;
@@ -343,8 +352,7 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
     const bool is_new = s[kVoidFraction] == 0;
     Vec3 c{0, 0, 0}, pressure;
     if (compiled::kHold && holding_ && s[kDragCoefficient] > 0) motion().change_at(p.x[i], c, pressure);
-    const double b =
-        held && p.held(i) ? s[kResponse] : -p.mass[i] / interval * std::expm1(-s[kResponse] * interval / p.mass[i]);
+    const double b = held && p.held(i) ? s[kResponse] : s[kResponse] * mean_decay(s[kResponse] * interval / p.mass[i]);
     response_[q] = b;
     mine.response = std::max(mine.response, b);
     for (int d = 0; d < 3; ++d) {
@@ -640,10 +648,11 @@ void Coupling::Impl::read(Particles& p, double interval) {
     s[kVoidFraction] = eps;
     s[kSizeRatio] = y;
     s[kDragCoefficient] = b;
+    s[kDecay] = plain_decay(b, p.mass[i]);
     s[kResponse] = b_A / eps;
     const double volume = sphere_volume(p.radius[i]);
     for (int d = 0; d < 3; ++d) {
-      s[kImpulse + d] = 0;
+      s[kImpulse + d] = s[kLateForce + d] = 0;
       s[kFluidVelocity + d] = s[kSeenVelocity + d] = out[d];
       s[kPressureForce + d] = A ? volume * out[Reader::kResidual + d] : 0.0;
       mine.momentum =
@@ -754,61 +763,104 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
   Stopwatch watch(shares_.force);
   const bool hold = compiled::kHold && holding_, held = compiled::kHeld && p.some_held();
   if (hold) motion().update(p);
-  any_stiff_ = false;
+  stiff_.clear();
   if (hold)
     forces<compiled::kHold, compiled::kHeld>(p, dem_dt, accumulate);
   else if (held)
     forces<false, compiled::kHeld>(p, dem_dt, accumulate);
+  else if (accumulate)
+    plain_forces(p, dem_dt);
   else
-    forces<false, false>(p, dem_dt, accumulate);
+    forces<false, false>(p, dem_dt, false);
+  if (accumulate) path_counted_ = false;
 }
 
 template <bool kHolding, bool kHeld>
 void Coupling::Impl::forces(Particles& p, double dem_dt, bool accumulate) {
   const bool add_path = accumulate && !path_counted_;
-  if (accumulate) path_counted_ = false;
+  for (int i = 0; i < p.n; ++i)
+    if (p.takes_part(i)) force_on<kHolding, kHeld>(p, i, dem_dt, accumulate, add_path);
+}
+
+/// The common case: nothing held, not in set-up. What every step of every particle costs; the rest is left to
+/// force_on().
+void Coupling::Impl::plain_forces(Particles& p, double dem_dt) {
+  if (dem_dt != decay_dt_) find_decay(p, dem_dt);
+  const double path_dt = path_counted_ ? 0.0 : dem_dt, lift = -fluid_.density();
+  const Vec3 g = gravity_;
+  for (int i = 0; i < p.n; ++i) {
+    if (!p.takes_part(i)) continue;
+    double* const s = p.state[i];
+    const double b = s[kDragCoefficient], decay = s[kDecay];
+    if (decay == 0) {
+      force_on<false, false>(p, i, dem_dt, true, !path_counted_);
+      continue;
+    }
+    const double buoyancy = lift * sphere_volume(p.radius[i]);
+    double *const f = p.f[i], *const v = p.v[i];
+    for (int d = 0; d < 3; ++d) {
+      const double other = f[d] + buoyancy * g[d], pressure = s[kPressureForce + d];
+      const double force = (other + pressure + b * (s[kFluidVelocity + d] - v[d])) * decay, received = force - other;
+      s[kImpulse + d] += received * dem_dt;
+      s[kDragForce + d] = received - pressure;
+      s[kDisplacement + d] += v[d] * path_dt;
+      f[d] = force;
+    }
+  }
+}
+
+void Coupling::Impl::find_decay(Particles& p, double dem_dt) {
+  decay_dt_ = dem_dt;
+  for (int i = 0; i < p.n; ++i)
+    if (p.takes_part(i)) p.state[i][kDecay] = plain_decay(p.state[i][kDragCoefficient], p.mass[i]);
+}
+
+/// phi(k) of a step for plain_forces(); 0 where it has to look closer.
+double Coupling::Impl::plain_decay(double b, double mass) const {
+  const double k = b * decay_dt_ / mass;
+  return b > 0 && k <= kStiff ? mean_decay_series(k) : 0.0;
+}
+
+template <bool kHolding, bool kHeld>
+void Coupling::Impl::force_on(Particles& p, int i, double dem_dt, bool accumulate, bool add_path) {
   const bool A = formulation_A();
   const double lift = -fluid_.density();
   Vec3 c{0, 0, 0}, pressure{0, 0, 0};
-  for (int i = 0; i < p.n; ++i) {
-    if (!p.takes_part(i)) continue;
-    double* s = p.state[i];
-    const double b = s[kDragCoefficient];
-    const double sphere = sphere_volume(p.radius[i]), buoyancy = b > 0 ? lift * sphere : 0.0;
-    double volume = 0, response = b;
-    if (kHolding && b > 0) {
-      motion().change_at(p.x[i], c, pressure);
-      volume = A ? sphere : 0.0;
-      response = s[kResponse] / s[kVoidFraction];
-    }
-    Vec3 other, slip, steady;
-    for (int d = 0; d < 3; ++d) {
-      s[kSeenVelocity + d] = s[kFluidVelocity + d] - c[d];
-      other[d] = p.f[i][d] + buoyancy * gravity_[d];
-      slip[d] = s[kSeenVelocity + d] - p.v[i][d];
-      steady[d] = other[d] + s[kPressureForce + d] + volume * pressure[d];
-    }
-    const double k = kHeld && p.held(i) ? 0 : response * dem_dt / p.mass[i];
-    const bool stiff = k > kStiff;
-    Vec3 first, second;  // forces of the half kicks before and after this step's end
-    if (stiff) {
-      any_stiff_ = true;
-      stiff_forces(p, i, k / b, dem_dt, steady, slip, accumulate, first, second);
-    } else {
-      for (int d = 0; d < 3; ++d) first[d] = second[d] = (steady[d] + b * slip[d]) * mean_decay(k);
-    }
-    for (int d = 0; d < 3; ++d) {
-      const double received = 0.5 * (first[d] + second[d]) - other[d];
-      // In set-up the force is applied for half a step, in place of the half step that the last one would have had.
-      s[kImpulse + d] +=
-          accumulate ? received * dem_dt
-                     : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] - 0.5 * s[kLateForce + d]);
-      s[kDragForce + d] = received - s[kPressureForce + d];
-      s[kLateForce + d] = second[d] - first[d];
-      if (add_path) s[kDisplacement + d] += p.v[i][d] * dem_dt;
-      if (!kHeld || !p.is_frozen(i)) p.f[i][d] = first[d];
-    }
-    if (kHolding) c = pressure = {0, 0, 0};
+  double* s = p.state[i];
+  const double b = s[kDragCoefficient];
+  const double sphere = sphere_volume(p.radius[i]), buoyancy = b > 0 ? lift * sphere : 0.0;
+  double volume = 0, response = b;
+  if (kHolding && b > 0) {
+    motion().change_at(p.x[i], c, pressure);
+    volume = A ? sphere : 0.0;
+    response = s[kResponse] / s[kVoidFraction];
+  }
+  Vec3 other, slip, steady;
+  for (int d = 0; d < 3; ++d) {
+    s[kSeenVelocity + d] = s[kFluidVelocity + d] - c[d];
+    other[d] = p.f[i][d] + buoyancy * gravity_[d];
+    slip[d] = s[kSeenVelocity + d] - p.v[i][d];
+    steady[d] = other[d] + s[kPressureForce + d] + volume * pressure[d];
+  }
+  const double k = kHeld && p.held(i) ? 0 : response * dem_dt / p.mass[i];
+  const bool stiff = k > kStiff;
+  Vec3 first, second;  // forces of the half kicks before and after this step's end
+  if (stiff) {
+    stiff_.push_back(i);
+    stiff_forces(p, i, k / b, dem_dt, steady, slip, accumulate, first, second);
+  } else {
+    for (int d = 0; d < 3; ++d) first[d] = second[d] = (steady[d] + b * slip[d]) * mean_decay(k);
+  }
+  for (int d = 0; d < 3; ++d) {
+    const double received = 0.5 * (first[d] + second[d]) - other[d];
+    // In set-up the force is applied for half a step, in place of the half step that the last one would have had.
+    s[kImpulse + d] +=
+        accumulate ? received * dem_dt
+                   : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] - 0.5 * s[kLateForce + d]);
+    s[kDragForce + d] = received - s[kPressureForce + d];
+    s[kLateForce + d] = second[d] - first[d];
+    if (add_path) s[kDisplacement + d] += p.v[i][d] * dem_dt;
+    if (!kHeld || !p.is_frozen(i)) p.f[i][d] = first[d];
   }
 }
 
@@ -869,10 +921,8 @@ double Coupling::Impl::law_at(const Particles& p, int i, const Vec3& slip) const
 }
 
 void Coupling::Impl::finish_step(Particles& p) {
-  if (!any_stiff_) return;
-  for (int i = 0; i < p.n; ++i)
-    if (p.takes_part(i))
-      for (int d = 0; d < 3; ++d) p.f[i][d] += p.state[i][kLateForce + d];
+  for (int i : stiff_)
+    for (int d = 0; d < 3; ++d) p.f[i][d] += p.state[i][kLateForce + d];
 }
 
 Coupling::Coupling(MPI_Comm comm, const Settings& settings, Fluid& fluid, const Vec3& sub_lo, const Vec3& sub_hi,

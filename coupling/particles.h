@@ -12,13 +12,14 @@ enum ParticleColumn {
   kFluidVelocity = 7,     ///< 7-9 u read at the last coupling (m/s)
   kImpulse = 10,          ///< 10-12 momentum received from the fluid since the last coupling (kg m/s)
   kDisplacement = 13,     ///< 13-15 path since the last coupling (m)
-  kPathVelocity = 16,     ///< 16-18 displacement / interval of the last coupling (m/s)
-  kDragCoefficient = 19,  ///< 19 b_p (kg/s)
-  kSeenVelocity = 20,     ///< 20-22 fluid velocity the drag of the last step was computed with (m/s)
-  kResponse = 23,         ///< 23 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
-  kLateForce = 24,        ///< 24-26 what the second half of a stiff step's force has over the first (N); zero elsewhere
-  kSizeRatio = 27,        ///< 27 diameter over the local Sauter mean
-  kParticleColumns = 28
+  kDragCoefficient = 16,  ///< 16 b_p (kg/s)
+  kDecay = 17,  ///< 17 phi(b_p dt/m) of force(); 0: not known, or the step is stiff. Up to here what a step touches
+  kPathVelocity = 18,  ///< 18-20 displacement / interval of the last coupling (m/s)
+  kSeenVelocity = 21,  ///< 21-23 fluid velocity the drag of the last step was computed with (m/s)
+  kResponse = 24,      ///< 24 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
+  kLateForce = 25,     ///< 25-27 what the second half of a stiff step's force has over the first (N); else zero
+  kSizeRatio = 28,     ///< 28 diameter over the local Sauter mean
+  kParticleColumns = 29
 };
 
 /// A view of this rank's own particles (no ghosts). Positions may lie up to half a skin outside the rank's box.
