@@ -12,11 +12,13 @@ namespace twogrid {
 /// unallocated (size 0) where a part is absent: it then costs nothing. Momentum balance of the volume V_f of face f:
 ///   rho_f d(eps u)/dt + ... = - (1 - chi) grad p + source - beta u
 struct Interphase {
-  FaceField<FineGrid> source;       ///< force on the fluid per volume (N/m3), constant over the interval
-  FaceField<FineGrid> beta;         ///< implicit part's coefficient, kg/(m3 s)
-  FaceField<FineGrid> chi;          ///< share of grad p that others carry (formulation A: eps_s), dimensionless
-  CellField<FineGrid> mass_source;  ///< q, 1/s: d(eps)/dt + div(eps u) = q (fluid replaced by inserted particles)
-  Vec3 particle_flux{0, 0, 0};      ///< mean of eps_s v over the domain (m/s); only for a given flow rate
+  FaceField<FineGrid> source;  ///< force on the fluid per volume (N/m3), constant over the interval
+  FaceField<FineGrid> beta;    ///< implicit part's coefficient, kg/(m3 s)
+  FaceField<FineGrid> chi;     ///< share of grad p that others carry (formulation A: eps_s), dimensionless
+  /// Particles were inserted or deleted: fluid has given or taken their place at the interval's begin, at its own
+  /// velocity, and eps.begin is no longer the eps with which the last interval ended.
+  bool replaced = false;
+  Vec3 particle_flux{0, 0, 0};  ///< mean of eps_s v over the domain (m/s); only for a given flow rate
 };
 
 /// Figures of one call of advance, the same on all ranks.
@@ -24,11 +26,11 @@ struct FluidReport {
   int steps = 0;
   double dt = 0;                ///< last fluid step, s
   double cfl = 0;               ///< largest Courant number met
-  double divergence_error = 0;  ///< max over cells of |d(eps)/dt + div(eps u) - q| h/U
+  double divergence_error = 0;  ///< max over cells of |d(eps)/dt + div(eps u)| h/U
   int pressure_iterations = 0;  ///< sum over steps
   double pressure_drop = 0;     ///< mean p of inlet faces minus mean p of outlet faces (Pa), over the interval
   double step_error = -1;       ///< of advance_and_check; negative: not measured
-  double inflow = 0, outflow = 0, displaced = 0;  ///< volume in, out, and -integral of d(eps)/dt - q, last step, m3/s
+  double inflow = 0, outflow = 0, displaced = 0;  ///< volume in, out, and -integral of d(eps)/dt, last step, m3/s
 };
 
 /// Face is solved for, or its normal velocity is prescribed (wall, inlet).

@@ -150,6 +150,7 @@ void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const Cel
 
 FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
   FluidReport report;
+  if (exchange.replaced) replace(*eps.begin);
   for (int d = 0; d < 3; ++d) mean_u_[d].fill(0), mean_grad_p_[d].fill(0);
   double done = 0;
   while (done < interval * (1 - 1e-12)) {
@@ -301,6 +302,17 @@ void FluidSolver::next_level(const VoidFractionInTime& eps, double s, double int
   set_face_eps(0);
 }
 
+/// What came or went changes eps at once, in the past levels too: no velocity follows from it.
+void FluidSolver::replace(const CellField<FineGrid>& now) {
+  double *e0 = eps_[0].data(), *e1 = eps_[1].data();
+  for (std::size_t m = 0; m < eps_[0].size(); ++m) {
+    const double change = now.data()[m] - e0[m];
+    e0[m] = now.data()[m];
+    e1[m] = std::max(e1[m] + change, 0.5 * std::min(e1[m], e0[m]));
+  }
+  for (int level : {0, 1}) set_face_eps(level);
+}
+
 void FluidSolver::previous_level() {
   std::swap(eps_[0], eps_[1]);
   std::swap(eps_[1], eps_[2]);
@@ -371,16 +383,13 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
   double friction = 0;  // of the walls of a one-cell gap, 12 mu/W^2
   for (int d = 0; gap && d < 3; ++d)
     if (!boundaries_.component_solved(d)) friction = 12 * mu / (grid_.axis[d].length() * grid_.axis[d].length());
-  const bool has_q = exchange.mass_source.size() > 0;
   for (int d = 0; d < 3; ++d) {
     if (!boundaries_.component_solved(d)) continue;
     const double *now = u_[d].data(), *old = u_old_[d].data(), *e0 = eps_f_[0][d].data(), *e1 = eps_f_[1][d].data(),
-                 *e2 = eps_f_[2][d].data(), *tilde = u_tilde_[d].data();
+                 *e2 = eps_f_[2][d].data();
     // Fields of the exchange cover own faces: their boxes are not those of the solver's own fields.
     const FaceComponent<FineGrid>* source = exchange.source[d].size() ? &exchange.source[d] : nullptr;
     const FaceComponent<FineGrid>* beta = exchange.beta[d].size() ? &exchange.beta[d] : nullptr;
-    const double* q = has_q ? exchange.mass_source.data() : nullptr;
-    const std::ptrdiff_t s = p_.stride(d);
     double *o = rhs_[d].data(), *A = inertia_[d].data(), *next = u_next_[d].data();
     const double c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt, c0 = rho * step.a0 / step.dt;
     for_each(faces_[d], [&](int i, int j, int k) {
@@ -388,7 +397,6 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
       const double V = momentum_.volume(d, i, j, k);
       double force = -c1 * e1[m] * now[m] - (step.r > 0 ? c2 * e2[m] * old[m] : 0.0);
       if (source) force += (*source)(i, j, k);
-      if (q) force += rho * 0.5 * (q[m] + q[m - s]) * tilde[m];
       A[m] = c0 * e0[m] + (beta ? (*beta)(i, j, k) : 0.0) + friction * e0[m];
       o[m] += force * V;
       next[m] = o[m] / (A[m] * V);
@@ -429,17 +437,15 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
       g[m] = e[m] * (chi ? 1 - (*chi)(i, j, k) : 1.0) / A[m] * grid_.area(d, i, j, k) / (edge ? 0.5 * w : w);
     });
   }
-  // What is missing in continuity: sum of eps u* A + (d(eps)/dt - q) V.
+  // What is missing in continuity: sum of eps u* A + d(eps)/dt V.
   const double b0 = step.a0 / step.dt, b1 = step.a1 / step.dt, b2 = step.a2 / step.dt;
   const double *e0 = eps_[0].data(), *e1 = eps_[1].data(), *e2 = eps_[2].data();
-  const double* q = exchange.mass_source.size() ? exchange.mass_source.data() : nullptr;
   const std::array<std::ptrdiff_t, 3> s{p_.stride(0), p_.stride(1), p_.stride(2)};
   double *dil = dilation_.data(), *b = imbalance_.data();
   double scale = 0, sum = 0;
   for_each(own_, [&](int i, int j, int k) {
     const std::ptrdiff_t m = p_.index(i, j, k);
     double change = b0 * e0[m] + b1 * e1[m] + (step.r > 0 ? b2 * e2[m] : 0.0);
-    if (q) change -= q[m];
     dil[m] = change;
     double flow = 0;
     for (int d = 0; d < 3; ++d) {

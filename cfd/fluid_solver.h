@@ -66,7 +66,7 @@ class FluidSolver : public Fluid {
   void set_state(double time, const FaceField<FineGrid>& u, const CellField<FineGrid>& p,
                  const CellField<FineGrid>& eps, double dt_previous, const FaceField<FineGrid>& u_previous,
                  const CellField<FineGrid>& eps_previous);
-  /// d(eps)/dt - q of the last step, as continuity was solved (1/s, own cells).
+  /// d(eps)/dt of the last step, as continuity was solved (1/s, own cells).
   const CellField<FineGrid>& dilation() const { return dilation_; }
   /// eps u on faces, after the last step (m/s, halo filled).
   const FaceField<FineGrid>& flux() const { return flux_; }
@@ -100,6 +100,7 @@ class FluidSolver : public Fluid {
   void set_face_eps(int level);
   void next_level(const VoidFractionInTime& eps, double s, double interval);
   void previous_level();
+  void replace(const CellField<FineGrid>& now);
   void extrapolate(const Step& step);
   void measure_inlet_head();
   void predict(const Step& step, const Interphase& exchange);

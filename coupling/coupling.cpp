@@ -54,7 +54,7 @@ class Stopwatch {
 /// Largest values over all particles that the fixed-point sums and the choice to hold the flux need.
 struct Extremes {
   double radius = 0, minus_radius = -1e300, mass = 0, momentum = 0, reaction = 0, response = 0, drag_coefficient = 0,
-         drag = 0, drag_number = 0, follow = 0;
+         drag = 0, drag_number = 0, follow = 0, speed2 = 0;
   long long bad_tag = -1;
 };
 
@@ -81,6 +81,14 @@ const Settings& checked(const Settings& s) {
 
 double read_width(const Settings& s) {
   return s.read == Read::kKernel ? s.kernel_width : s.read == Read::kCube ? s.cube_edge : 0.0;
+}
+
+/// Smallest mean width of a cell, directions of one cell left out (m).
+double narrowest(const ParticleGrid& grid) {
+  double width = 1e300;
+  for (const Axis& a : grid.axis)
+    if (a.n() > 1) width = std::min(width, a.length() / a.n());
+  return width;
 }
 
 Box grown_unless_empty(const Box& b, int g) {
@@ -110,7 +118,9 @@ class Coupling::Impl {
   void wrap_up(Particles& p, double interval, double dem_dt);
   void reduce(const Particles& p, Extremes& mine);
   void deposit(const Particles& p);
-  const CellField<FineGrid>* replacement_source(const Particles& p, double interval);
+  void find_deleted(const Particles& p);
+  void allocate_replacement();
+  const CellField<FineGrid>* replacement(const Particles& p);
   void react(const Particles& p, double interval);
   void complete_drag(const Particles& p, double interval);
   double deviation_response(const Particles& p, int i) const;
@@ -144,6 +154,7 @@ class Coupling::Impl {
   std::array<double, 6> slack_{};  // how far beyond a side a particle still counts as inside (m)
   ParticleGrid nodes_;
   double read_length_ = 0;  // of what a particle reads (m)
+  double cell_width_ = 0;   // smallest mean width of a particle cell, directions of one cell left out (m)
   VolumeDeposit volume_deposit_;
   SolidLimit limit_;
   Inject inject_;
@@ -155,12 +166,14 @@ class Coupling::Impl {
   Residual residual_;        // formulation A only
   double known_volume_ = 0;  // of the particles at the last coupling (m3)
   bool started_ = false, holding_ = false, path_counted_ = false;
+  bool any_deleted_ = false;
   double decay_dt_ = 0;  // DEM step of the particles' kDecay (s); 0: none yet
 
   // Fields of this coupling.
   Array3<long long> solid_, inserted_;
-  CellField<ParticleGrid> eps_node_, inserted_rate_;
-  CellField<FineGrid> inserted_cells_;
+  CellField<ParticleGrid> eps_node_, replaced_;
+  CellField<ParticleGrid> deleted_;  // fraction of solids deleted before this run; only if any_deleted_
+  CellField<FineGrid> replaced_cells_;
   Interphase exchange_;
   FaceField<FineGrid> deviation_, deviation_beta_;  // complete_drag(); allocated when first needed
 
@@ -201,11 +214,8 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
   eps_node_.reset(grown_unless_empty(own_nodes, 1), 1.0);
   if (formulation_A()) residual_ = Residual(comm_, fluid_);
   read_length_ = read_width(settings_);
-  if (read_length_ == 0) {
-    read_length_ = 1e300;
-    for (const Axis& a : reader_.map().grid().axis)
-      if (a.n() > 1) read_length_ = std::min(read_length_, a.length() / a.n());
-  }
+  if (read_length_ == 0) read_length_ = narrowest(reader_.map().grid());
+  cell_width_ = narrowest(nodes_);
   find_slack();
 }
 
@@ -224,7 +234,10 @@ void Coupling::Impl::find_slack() {
 }
 
 void Coupling::Impl::start(Particles& p, double dem_dt) {
-  if (started_) return;  // a further run: all state is alive, here and with the particles
+  if (started_) {  // a further run: all state is alive, here and with the particles
+    find_deleted(p);
+    return;
+  }
   find_particles(p);
   new_.clear();
   new_count_ = 0;
@@ -265,7 +278,7 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
   check = compiled::kAccuracy && check;
   if (check) remember_forces(p);
   deposit(p);
-  const CellField<FineGrid>* q = replacement_source(p, interval);
+  const CellField<FineGrid>* replaced = replacement(p);
   if (!settings_.one_way) {
     react(p, interval);
     if (report_.max_drag_number > kComplete || extremes_.follow > kFollow) complete_drag(p, interval);
@@ -273,7 +286,7 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
   FluidReport fluid;
   {
     Stopwatch watch(shares_.fluid);
-    const VoidFractionInTime eps = history_.begin(interval, q);
+    const VoidFractionInTime eps = history_.begin(interval, replaced);
     fluid = check ? fluid_.advance_and_check(interval, eps, exchange_) : fluid_.advance(interval, eps, exchange_);
   }
   if (!settings_.one_way) kick(p, interval);
@@ -468,24 +481,50 @@ void Coupling::Impl::deposit(const Particles& p) {
   kept_volume_ = ledger_.deposited_volume;
 }
 
-const CellField<FineGrid>* Coupling::Impl::replacement_source(const Particles& p, double interval) {
-  if (new_count_ == 0 || settings_.one_way) {
-    exchange_.mass_source.reset(Box{});
-    return nullptr;
-  }
-  if (inserted_.size() == 0) {
-    inserted_.reset(solid_.box());
-    inserted_rate_.reset(solid_.box());
-    inserted_cells_.reset(history_.next().box());
-  }
+/// Commands between two runs may have deleted particles. Fluid takes their place at the next coupling: what
+/// the solids on the nodes have lost since the last one. (With it go the few steps of motion since then.)
+void Coupling::Impl::find_deleted(const Particles& p) {
+  if (settings_.one_way) return;
+  find_particles(p);
+  std::vector<int> old;
+  double volume = 0;
+  for (const std::vector<int>* list : {&inside_, &leaving_})
+    for (int i : *list)
+      if (p.state[i][kVoidFraction] > 0) old.push_back(i), volume += sphere_volume(p.radius[i]);
+  MPI_Allreduce(MPI_IN_PLACE, &volume, 1, MPI_DOUBLE, MPI_SUM, comm_);
+  if (known_volume_ - volume <= 1e-10 * known_volume_) return;
+  allocate_replacement();
+  volume_deposit_(p, old, inserted_);
+  const FixedPoint& scale = volume_deposit_.scale();
+  limit_(scale, inserted_);
+  for_each(inserted_.box(), [&](int i, int j, int k) {
+    deleted_(i, j, k) = scale.value(solid_(i, j, k) - inserted_(i, j, k)) / nodes_.volume(i, j, k);
+  });
+  any_deleted_ = true;
+}
+
+void Coupling::Impl::allocate_replacement() {
+  if (inserted_.size() > 0) return;
+  inserted_.reset(solid_.box());
+  deleted_.reset(solid_.box());
+  replaced_.reset(solid_.box());
+  replaced_cells_.reset(history_.next().box());
+}
+
+/// Change of eps by particles that came or went since the last coupling; null: none did.
+const CellField<FineGrid>* Coupling::Impl::replacement(const Particles& p) {
+  exchange_.replaced = (new_count_ > 0 || any_deleted_) && !settings_.one_way;
+  if (!exchange_.replaced) return nullptr;
+  allocate_replacement();
   volume_deposit_(p, new_, inserted_);
   const FixedPoint& scale = volume_deposit_.scale();
   for_each(inserted_.box(), [&](int i, int j, int k) {
-    inserted_rate_(i, j, k) = -scale.value(inserted_(i, j, k)) / (nodes_.volume(i, j, k) * interval);
+    const double gone = any_deleted_ ? deleted_(i, j, k) : 0.0;
+    replaced_(i, j, k) = gone - scale.value(inserted_(i, j, k)) / nodes_.volume(i, j, k);
   });
-  inject_.constant(inserted_rate_, inserted_cells_);
-  exchange_.mass_source = inserted_cells_;
-  return &inserted_cells_;
+  any_deleted_ = false;
+  inject_.constant(replaced_, replaced_cells_);
+  return &replaced_cells_;
 }
 
 void Coupling::Impl::react(const Particles& p, double interval) {
@@ -659,19 +698,23 @@ void Coupling::Impl::read(Particles& p, double interval) {
           std::max({mine.momentum, p.mass[i] * std::abs(p.v[i][d]), p.mass[i] * std::abs(flux_velocity_[q][d])});
       mine.drag = std::max(mine.drag, b * std::abs(out[d] - p.v[i][d]));
     }
+    const double* v = p.v[i];
+    const double speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    mine.speed2 = std::max(mine.speed2, speed2);
     mine.drag_coefficient = std::max(mine.drag_coefficient, b);
     if (!held || !p.held(i)) {
       const double rate = b_A / eps / p.mass[i];
-      const double* v = p.v[i];
-      const double crossing = slip + std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+      const double crossing = slip + std::sqrt(speed2);
       mine.drag_number = std::max(mine.drag_number, rate * interval);
       mine.follow = std::max(mine.follow, rate * read_length_ / (crossing + 1e-300));
     }
   }
   for (int i : leaving_) set_outside(p, i);
-  double largest[5] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number, mine.follow}, all[5];
-  MPI_Allreduce(largest, all, 5, MPI_DOUBLE, MPI_MAX, comm_);
+  double largest[6] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number, mine.follow, mine.speed2},
+         all[6];
+  MPI_Allreduce(largest, all, 6, MPI_DOUBLE, MPI_MAX, comm_);
   extremes_.follow = all[4];
+  report_.travel = std::sqrt(all[5]) * interval / cell_width_;
   choose_hold(all[3]);
   if (settings_.one_way || !(A || holding_)) return;
   MeanMotion::Largest scale;
@@ -750,6 +793,8 @@ void Coupling::Impl::close_ledger(double interval) {
   report_.volume_inserted = balance.inserted_volume;
   report_.volume_vanished = interval > 0 ? known_volume_ + balance.inserted_volume - balance.solid_volume : 0.0;
   if (std::abs(report_.volume_vanished) <= 1e-10 * known_volume_) report_.volume_vanished = 0;  // round-off of the sums
+  report_.inserted_total += report_.volume_inserted;
+  report_.vanished_total += report_.volume_vanished;
   known_volume_ = balance.solid_volume;
 }
 

@@ -46,6 +46,8 @@ struct Report {
   long long particles = 0;
   double volume_inserted = 0;  ///< of particles new since the last coupling (m3); they replace fluid
   double volume_vanished = 0;  ///< of particles deleted, or gone out of the domain, since then (m3)
+  double inserted_total = 0, vanished_total = 0;  ///< their sums over the run (m3)
+  double travel = 0;           ///< largest way of a particle in an interval, at its speed now, in particle cells
   double volume_unplaced = 0;  ///< above the eps bound, with no room anywhere (m3)
   double step_error = 0;       ///< of the last check: Fluid::advance_and_check
   double coupling_error = 0;   ///< of the last check: half the change of the fluid's forces on the particles at the
@@ -64,8 +66,8 @@ class Coupling {
   Coupling(MPI_Comm comm, const Settings& settings, Fluid& fluid, const Vec3& sub_lo, const Vec3& sub_hi, double reach);
   ~Coupling();
 
-  /// First coupling of a run: deposits, initialises eps^n, eps^{n-1} if there is no history, and reads; the fluid does
-  /// not advance. Collective.
+  /// At the beginning of every run. The first: deposits, initialises eps^n and eps^{n-1}, and reads; the fluid does not
+  /// advance. Later ones: looks for particles that were deleted since. Collective.
   void start(Particles& p, double dem_dt);
   /// Steps 1-5 above for an interval of `steps` DEM steps of dem_dt seconds. Collective.
   /// check: also measures step_error and coupling_error; the result is the same.

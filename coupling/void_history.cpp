@@ -1,5 +1,7 @@
 #include "void_history.h"
 
+#include <algorithm>
+
 namespace twogrid {
 
 VoidHistory::VoidHistory(const Box& box, Interpolate interpolate) : interpolate_(interpolate) {
@@ -16,9 +18,13 @@ void VoidHistory::start() {
   last_interval_ = 0;
 }
 
-VoidFractionInTime VoidHistory::begin(double interval, const CellField<FineGrid>* q) {
+VoidFractionInTime VoidHistory::begin(double interval, const CellField<FineGrid>* replaced) {
   interval_ = interval;
-  q_ = q;
+  if (replaced)  // the bound keeps eps positive where other particles have made room in the same interval
+    for (std::size_t m = 0; m < now_.size(); ++m) {
+      double& e = now_.data()[m];
+      e = std::clamp(e + replaced->data()[m], 0.5 * std::min(e, next_.data()[m]), 1.0);
+    }
   VoidFractionInTime eps;
   eps.begin = &now_;
   eps.end = &next_;
@@ -26,11 +32,9 @@ VoidFractionInTime VoidHistory::begin(double interval, const CellField<FineGrid>
   const double r = extrapolation(interval);
   const bool first = last_interval_ == 0;
   for (std::size_t m = 0; m < now_.size(); ++m) {
-    const double source = q ? q->data()[m] : 0.0;
-    const double s = (next_.data()[m] - now_.data()[m]) / interval - source;
-    const double begin = first ? s : slope_begin_.data()[m];
-    slope_begin_.data()[m] = begin + source;
-    slope_end_.data()[m] = s + r * (s - rate_.data()[m]) + source;
+    const double s = (next_.data()[m] - now_.data()[m]) / interval;
+    if (first) slope_begin_.data()[m] = s;
+    slope_end_.data()[m] = s + r * (s - rate_.data()[m]);
     rate_.data()[m] = s;
   }
   eps.slope_begin = &slope_begin_;
@@ -41,10 +45,7 @@ VoidFractionInTime VoidHistory::begin(double interval, const CellField<FineGrid>
 void VoidHistory::commit() {
   now_.swap(next_);
   last_interval_ = interval_;
-  if (interpolate_ == Interpolate::kLinear) return;
-  slope_begin_.swap(slope_end_);
-  if (q_)
-    for (std::size_t m = 0; m < slope_begin_.size(); ++m) slope_begin_.data()[m] -= q_->data()[m];
+  if (interpolate_ == Interpolate::kSmooth) slope_begin_.swap(slope_end_);
 }
 
 }  // namespace twogrid

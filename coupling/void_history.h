@@ -2,8 +2,8 @@
 //
 // With s_n = (eps^n - eps^{n-1})/D_n, D_n the length of interval n, the slope at t^n is that of the parabola through
 // three couplings (BDF2), s_n + (s_n - s_{n-1}) D_n/(D_n + D_{n-1}); the slope at an interval's begin is the one with
-// which the last interval ended, so that d(eps)/dt is continuous. Volume of inserted particles enters at constant rate
-// q <= 0 on top, the same q that the fluid's continuity equation gets as a source.
+// which the last interval ended, so that d(eps)/dt is continuous. Volume of particles that were inserted or deleted
+// changes eps at once at an interval's begin, and is no part of d(eps)/dt.
 #pragma once
 
 #include "../cfd/field.h"
@@ -23,8 +23,8 @@ class VoidHistory {
   const CellField<FineGrid>& now() const { return now_; }
   /// eps never changed before now.
   void start();
-  /// Sets up an interval that leads from now() to next(). q may be null.
-  VoidFractionInTime begin(double interval, const CellField<FineGrid>* q);
+  /// Sets up an interval that leads from now() to next(). replaced: what is added to now() before, may be null.
+  VoidFractionInTime begin(double interval, const CellField<FineGrid>* replaced);
   /// The interval is over: next() becomes now().
   void commit();
 
@@ -37,9 +37,8 @@ class VoidHistory {
  private:
   Interpolate interpolate_ = Interpolate::kSmooth;
   CellField<FineGrid> now_, next_;
-  CellField<FineGrid> rate_;                     // s_{n-1} without q (1/s)
+  CellField<FineGrid> rate_;                     // s_{n-1} (1/s)
   CellField<FineGrid> slope_begin_, slope_end_;  // 1/s
-  const CellField<FineGrid>* q_ = nullptr;
   double interval_ = 0, last_interval_ = 0;
 };
 

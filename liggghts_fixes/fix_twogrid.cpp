@@ -44,7 +44,9 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int kVectorSize = 13;
+constexpr int kVectorSize = 15;
+/// Particle cells that a particle may cross in a coupling interval: beyond, a bed's means change (tests/stability).
+constexpr double kTravel = 0.3;
 constexpr int kUserColumns = 10;
 static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
               "the state's first ten columns are the user's per-atom array");
@@ -238,6 +240,7 @@ void FixTwogrid::init() {
         now.velocity = script_.settings.fluid.side[side][c].velocity;
         now.velocity_now = script_.settings.fluid.side[side][c].velocity_now;
       }
+    check_patches_and_outlet(fluid_->settings(), fluid_->grid());  // inlets may have changed since the last run
   });
 }
 
@@ -331,7 +334,7 @@ void FixTwogrid::setup(int) {
   guarded([&] {
     Particles p = particles();
     // Not before: LIGGGHTS sets the state of a new fix to its defaults at the beginning of set-up.
-    if (!started_) coupling_->start(p, update->dt);
+    coupling_->start(p, update->dt);
     started_ = true;
     coupling_->force(p, update->dt, false);
 
@@ -368,12 +371,24 @@ void FixTwogrid::couple() {
   coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_, check);
   if (compiled::kAccuracy) accuracy_.count_coupling();
   if (check) adjust_steps();
+  watch_travel();
   // The coupling has changed velocities. Ghosts must follow, or else the two sides of a contact across a border of
   // ranks or of the box see different damping, and momentum is lost.
   comm->forward_comm();
   last_interval_ = time_since_coupling_;
   steps_since_coupling_ = 0;
   time_since_coupling_ = 0;
+}
+
+/// The flow that particles see is kept for an interval, in which they should stay where it was read.
+void FixTwogrid::watch_travel() {
+  const double travel = coupling_->report().travel;
+  if (travel <= kTravel || travel <= 2 * travel_said_) return;
+  travel_said_ = travel;
+  const int every = std::max(1, int(steps_since_coupling_ * kTravel / travel));
+  warn("a particle crosses " + text(travel) + " particle cells in a coupling interval of " +
+       std::to_string(steps_since_coupling_) + " steps (step " + std::to_string(update->ntimestep) +
+       "), wanted: at most " + text(kTravel) + "; lower every to " + std::to_string(every));
 }
 
 /// Steps for the accuracy wanted, after a coupling that was checked.
@@ -470,7 +485,9 @@ double FixTwogrid::compute_vector(int i) {
                                      double(r.pressure_iterations),
                                      r.step_error,
                                      r.coupling_error,
-                                     double(script_.settings.every)};
+                                     double(script_.settings.every),
+                                     r.inserted_total,
+                                     r.vanished_total};
   return value[i];
 }
 

@@ -14,7 +14,7 @@ def measure(folder, c):
     out = bed.measure(folder, c)
     with open(os.path.join(folder, "log.liggghts")) as f:
         rows = re.findall(r"^ +\d+ +900 +([-+.e0-9]+) *$", f.read(), re.M)
-    out["settled"] = float(rows[1])
+    out["settled"] = float(rows[-1])
     m = math.pi / 6 * 1.2e-3**3 * 1000
     out["contact_steps"] = math.pi * math.sqrt(m / 2 / c["kn"]) / (1.5e-5 / c["slow"])
     return out
