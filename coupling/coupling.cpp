@@ -114,6 +114,7 @@ class Coupling::Impl {
 
  private:
   void find_particles(const Particles& p);
+  void find_nodes(const Particles& p);
   void set_outside(const Particles& p, int i);
   void wrap_up(Particles& p, double interval, double dem_dt);
   void reduce(const Particles& p, Extremes& mine);
@@ -124,6 +125,8 @@ class Coupling::Impl {
   void react(const Particles& p, double interval);
   void complete_drag(const Particles& p, double interval);
   double deviation_response(const Particles& p, int i) const;
+  template <class F>
+  void at_places(const Particles& p, F f) const;
   void kick(Particles& p, double interval);
   void read(Particles& p, double interval);
   void rebuild_pressure_force(Particles& p);
@@ -180,7 +183,9 @@ class Coupling::Impl {
   // Particles of this coupling: indices, and what belongs to them.
   std::vector<int> inside_, leaving_, new_;
   std::vector<Vec3> flux_velocity_;
-  std::vector<double> response_;  // b' of inside_ (kg/s)
+  std::vector<double> response_;       // b' of inside_ (kg/s)
+  std::vector<Vec3> seen_, reaction_;  // of inside_: u_seen (m/s), b' u_seen - I/D (N)
+  std::vector<std::ptrdiff_t> node_;   // of inside_: what it reads, where that is one node
   std::vector<std::array<double, 4>> deviations_;
   std::vector<Vec3> last_force_;  // of inside_, at the end of the interval; only in a coupling that is checked
   Extremes extremes_;
@@ -248,6 +253,7 @@ void Coupling::Impl::start(Particles& p, double dem_dt) {
     for (int d = 0; d < 3; ++d) s[kPathVelocity + d] = p.v[i][d];
     flux_velocity_.push_back({p.v[i][0], p.v[i][1], p.v[i][2]});
   }
+  find_nodes(p);
   Extremes mine;
   reduce(p, mine);
   ledger_ = Ledger{};
@@ -333,6 +339,12 @@ void Coupling::Impl::find_particles(const Particles& p) {
   }
 }
 
+void Coupling::Impl::find_nodes(const Particles& p) {
+  if (!reader_.single()) return;
+  node_.resize(inside_.size());
+  for (std::size_t q = 0; q < inside_.size(); ++q) node_[q] = reader_.node(p.x[inside_[q]]);
+}
+
 /// No fluid, and known: should it come in, its path began here, and it pushes fluid aside as any particle that moves.
 void Coupling::Impl::set_outside(const Particles& p, int i) {
   double* s = p.state[i];
@@ -347,6 +359,10 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
   const double r = history_.extrapolation(interval);
   flux_velocity_.resize(inside_.size());
   response_.resize(inside_.size());
+  seen_.resize(inside_.size());
+  reaction_.resize(inside_.size());
+  find_nodes(p);
+  const double inverse_interval = 1 / interval;
   Extremes mine;
   const bool held = compiled::kHeld && p.some_held();
   const double repeated = repeated_ * dem_dt;
@@ -375,8 +391,9 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
       flux_velocity_[q][d] = is_new ? mean : mean + r * (mean - s[kPathVelocity + d]);
       s[kPathVelocity + d] = mean;
       s[kDisplacement + d] = 0;
-      s[kSeenVelocity + d] = s[kFluidVelocity + d] - c[d];
-      mine.reaction = std::max(mine.reaction, std::abs(b * s[kSeenVelocity + d] - s[kImpulse + d] / interval));
+      s[kSeenVelocity + d] = seen_[q][d] = s[kFluidVelocity + d] - c[d];
+      reaction_[q][d] = b * seen_[q][d] - s[kImpulse + d] * inverse_interval;
+      mine.reaction = std::max(mine.reaction, std::abs(reaction_[q][d]));
     }
     note_impulse(s);
   }
@@ -527,21 +544,38 @@ const CellField<FineGrid>* Coupling::Impl::replacement(const Particles& p) {
   return &replaced_cells_;
 }
 
+/// f(q, i, place) for every particle i = inside_[q], with what it reads: weights, or one node (as find_nodes() has
+/// found it).
+template <class F>
+void Coupling::Impl::at_places(const Particles& p, F f) const {
+  if (reader_.single()) {
+    for (std::size_t q = 0; q < inside_.size(); ++q) f(q, inside_[q], node_[q]);
+    return;
+  }
+  Stencil w;
+  for (std::size_t q = 0; q < inside_.size(); ++q) {
+    reader_.weights(p.x[inside_[q]], w);
+    f(q, inside_[q], w);
+  }
+}
+
 void Coupling::Impl::react(const Particles& p, double interval) {
   Stopwatch watch(shares_.map);
   const std::array<FixedPoint, 2> scale{FixedPoint(extremes_.reaction, terms_), FixedPoint(extremes_.response, terms_)};
   reader_.clear_reaction();
+  at_places(p, [&](std::size_t q, int, const auto& place) {
+    const Vec3& r = reaction_[q];
+    reader_.react(place, {scale[0].quantise(r[0]), scale[0].quantise(r[1]), scale[0].quantise(r[2]),
+                          scale[1].quantise(response_[q])});
+  });
   Stencil w;
-  auto send = [&](int i, double b) {
+  for (int i : leaving_) {
     const double* s = p.state[i];
+    std::array<long long, Reader::kReactions> q{};
+    for (int d = 0; d < 3; ++d) q[d] = scale[0].quantise(-s[kImpulse + d] / interval);
     reader_.weights(p.x[i], w);
-    std::array<long long, Reader::kReactions> q;
-    for (int d = 0; d < 3; ++d) q[d] = scale[0].quantise(b * s[kSeenVelocity + d] - s[kImpulse + d] / interval);
-    q[3] = scale[1].quantise(b);
     reader_.react(w, q);
-  };
-  for (std::size_t q = 0; q < inside_.size(); ++q) send(inside_[q], response_[q]);
-  for (int i : leaving_) send(i, 0.0);
+  }
   Vec3 held_back;
   reader_.collect(scale, exchange_.source, exchange_.beta, held_back);
   for (int d = 0; d < 3; ++d) ledger_.wall[d] += held_back[d] * interval;
@@ -571,31 +605,28 @@ void Coupling::Impl::complete_drag(const Particles& p, double interval) {
   Stopwatch watch(shares_.map);
   const FaceField<FineGrid>& u = fluid_.velocity();
   reader_.load(u);
-  Stencil w;
-  double read[3], largest[2] = {0, 0}, all[2];
-  std::vector<std::array<double, 4>>& q = deviations_;
-  q.resize(inside_.size());
-  for (std::size_t n = 0; n < inside_.size(); ++n) {
-    const int i = inside_[n];
-    const double b = std::clamp(deviation_response(p, i) - response_[n], -response_[n], 0.5 * response_[n]);
-    reader_.weights(p.x[i], w);
-    reader_.at<3>(w, read);
+  double largest[2] = {0, 0}, all[2];
+  std::vector<std::array<double, 4>>& deviation = deviations_;
+  deviation.resize(inside_.size());
+  at_places(p, [&](std::size_t q, int i, const auto& place) {
+    const double b = std::clamp(deviation_response(p, i) - response_[q], -response_[q], 0.5 * response_[q]);
+    double read[3];
+    reader_.at<3>(place, read);
     for (int d = 0; d < 3; ++d) {
-      q[n][d] = b * read[d];
-      largest[0] = std::max(largest[0], std::abs(q[n][d]));
+      deviation[q][d] = b * read[d];
+      largest[0] = std::max(largest[0], std::abs(deviation[q][d]));
     }
-    q[n][3] = b;
+    deviation[q][3] = b;
     largest[1] = std::max(largest[1], std::abs(b));
-  }
+  });
   MPI_Allreduce(largest, all, 2, MPI_DOUBLE, MPI_MAX, comm_);
   const std::array<FixedPoint, 2> scale{FixedPoint(all[0], terms_), FixedPoint(all[1], terms_)};
   reader_.clear_reaction();
-  for (std::size_t n = 0; n < inside_.size(); ++n) {
-    reader_.weights(p.x[inside_[n]], w);
+  at_places(p, [&](std::size_t q, int, const auto& place) {
     std::array<long long, Reader::kReactions> units;
-    for (int c = 0; c < 4; ++c) units[c] = scale[c < 3 ? 0 : 1].quantise(q[n][c]);
-    reader_.react(w, units);
-  }
+    for (int c = 0; c < 4; ++c) units[c] = scale[c < 3 ? 0 : 1].quantise(deviation[q][c]);
+    reader_.react(place, units);
+  });
   Vec3 held_back;
   reader_.collect(scale, deviation_, deviation_beta_, held_back);
   for (int d = 0; d < 3; ++d) {
@@ -610,22 +641,20 @@ void Coupling::Impl::kick(Particles& p, double interval) {
   Stopwatch watch(shares_.map);
   const FaceField<FineGrid>& mean = fluid_.mean_velocity();
   reader_.load(mean);
-  Stencil w;
-  double u[3], size = 0;
+  double size = 0;
   std::array<Sum, 3> given;
   const bool held = compiled::kHeld && p.some_held();
-  for (std::size_t q = 0; q < inside_.size(); ++q) {
-    const int i = inside_[q];
-    reader_.weights(p.x[i], w);
-    reader_.at<3>(w, u);
+  at_places(p, [&](std::size_t q, int i, const auto& place) {
+    double u[3];
+    reader_.at<3>(place, u);
     const double scale = response_[q] * interval, inverse_mass = held && p.held(i) ? 0 : 1 / p.mass[i];
     for (int d = 0; d < 3; ++d) {
-      const double k = scale * (u[d] - p.state[i][kSeenVelocity + d]);
+      const double k = scale * (u[d] - seen_[q][d]);
       p.v[i][d] += k * inverse_mass;
       given[d] += k;
       size += std::abs(k);
     }
-  }
+  });
   for (int d = 0; d < 3; ++d) ledger_.action[d] += given[d].value();
   ledger_.magnitude += size;
   for (int d = 0; d < 3; ++d) {
@@ -667,16 +696,13 @@ void Coupling::Impl::read(Particles& p, double interval) {
   const double rho = fluid_.density(), mu = fluid_.viscosity();
   const bool held = compiled::kHeld && p.some_held();
   Extremes mine;
-  Stencil w;
   double out[Reader::kFields] = {0, 0, 0, 1, 0, 0, 0};
-  for (std::size_t q = 0; q < inside_.size(); ++q) {
-    const int i = inside_[q];
+  at_places(p, [&](std::size_t q, int i, const auto& place) {
     double* s = p.state[i];
-    reader_.weights(p.x[i], w);
     if (A)
-      reader_.at<7>(w, out);
+      reader_.at<7>(place, out);
     else
-      reader_.at<4>(w, out);
+      reader_.at<4>(place, out);
     const double eps = out[Reader::kEps];
     double slip2 = 0;
     for (int d = 0; d < 3; ++d) slip2 += (out[d] - p.v[i][d]) * (out[d] - p.v[i][d]);
@@ -708,7 +734,7 @@ void Coupling::Impl::read(Particles& p, double interval) {
       mine.drag_number = std::max(mine.drag_number, rate * interval);
       mine.follow = std::max(mine.follow, rate * read_length_ / (crossing + 1e-300));
     }
-  }
+  });
   for (int i : leaving_) set_outside(p, i);
   double largest[6] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number, mine.follow, mine.speed2},
          all[6];

@@ -33,6 +33,11 @@ class Reader {
   const Window& window() const { return window_; }
   const Map& map() const { return map_; }
   void weights(const double x[3], Stencil& s) const { window_.weights(x, s); }
+  /// Whether a particle reads one node only; then node() says which, and stands for its weights.
+  bool single() const { return window_.spread() == Spread::kCell; }
+  std::ptrdiff_t node(const double x[3]) const {
+    return window_field_[0].index(window_.span(0).find(x[0]), window_.span(1).find(x[1]), window_.span(2).find(x[2]));
+  }
 
   /// Makes these fields readable. Velocity and residual: own faces and a halo of one; eps: own nodes. Collective.
   void load(const FaceField<FineGrid>& velocity, const Array3<double>& eps);
@@ -48,11 +53,19 @@ class Reader {
     gather<N>(s, window_field_[0], field, out);
   }
 
+  template <int N>
+  void at(std::ptrdiff_t node, double* out) const {
+    for (int q = 0; q < N; ++q) out[q] = window_field_[q].data()[node];
+  }
+
   /// Reaction: three components and one coefficient.
   static constexpr int kReactions = 4;
   void clear_reaction();
   void react(const Stencil& s, const std::array<long long, kReactions>& q) {
     for (int c = 0; c < kReactions; ++c) scatter(s, q[c], window_sum_[c]);
+  }
+  void react(std::ptrdiff_t node, const std::array<long long, kReactions>& q) {
+    for (int c = 0; c < kReactions; ++c) window_sum_[c].data()[node] += q[c];
   }
   /// Sums of all ranks on faces: source (components 0-2) and beta (3), per volume. held_back: what nodes without a
   /// solved face kept of components 0-2. The fields are allocated if they aren't. Collective.
