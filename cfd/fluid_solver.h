@@ -86,7 +86,7 @@ class FluidSolver : public Fluid {
     double time, dt_previous, velocity_scale;
     Vec3 imposed;
     FaceField<FineGrid> u, u_old, flux, mean_u, mean_grad_p;
-    CellField<FineGrid> p, dilation, response;
+    CellField<FineGrid> p, phi, dilation, response;
     std::array<CellField<FineGrid>, 3> eps;
     std::array<FaceField<FineGrid>, 3> eps_f;
   };
@@ -109,7 +109,22 @@ class FluidSolver : public Fluid {
   void accept(const Step& step, double interval);
   void measure(const Step& step, double share, FluidReport& report);  // share: of the interval
   void rotate_pressure();
-  void pressure_force(FaceField<FineGrid>& rhs, const Interphase& exchange);
+  void predict_rows(const Step& step, const Interphase& exchange, double friction);
+  template <int d>
+  void predict_component(const Step& step, const Interphase& exchange, double friction);
+  void set_conductance(const Interphase& exchange);
+  void conductance_rows(const Interphase& exchange);
+  template <int d>
+  void conductance_component(const Interphase& exchange);
+  void missing_continuity(const Step& step, const Interphase& exchange, double& scale, double& sum);
+  void correct_rows();
+  template <int d>
+  void correct_component();
+  void add_to_means(double share);
+  template <int d>
+  void add_gradient(double share);
+  void largest_imbalance(double& worst, double& displaced) const;
+  void courant_rows(const FaceField<FineGrid>& u, double& rate, double& finite) const;
   double courant_rate(const FaceField<FineGrid>& u) const;
   void fill(FaceField<FineGrid>& u, bool ghosts = true) const;
   void fill(CellField<FineGrid>& c) const;
@@ -143,6 +158,7 @@ class FluidSolver : public Fluid {
   CellField<FineGrid> response_, response_rhs_;  // potential answering a unit mean gradient (flow-rate control)
   FaceField<FineGrid> mean_u_, mean_grad_p_;
   double velocity_scale_ = 0;  // largest |eps u| (m/s)
+  mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row
   double inlet_head_ = 0;      // own inlet faces: momentum flux through the first cells' centres less that entering, N
   bool implicit_viscosity_ = false;
 };

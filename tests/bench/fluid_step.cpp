@@ -5,15 +5,14 @@
 //
 //   fluid_bench --benchmark_filter=step        whole step: small (15 x 3 x 50), 50k, 400k, and one cell deep
 //   fluid_bench --benchmark_filter=pressure    set-up and solve of the pressure equation, first guess zero
-//   counters: ns_cell; iterations a step; bytes a cell (growth of the process' memory while the solver is made and
-//   takes its first steps; true for the large grids alone)
+//   counters: ns_cell; iterations a step; bytes a cell (what making the solver and its first steps allocate)
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 #include <mpi.h>
 #include <petscsys.h>
 #include <time.h>
 
 #include <cmath>
-#include <cstdio>
 #include <memory>
 
 #include "cfd/fluid_solver.h"
@@ -28,14 +27,10 @@ double cpu_seconds() {
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-/// Resident memory now, bytes.
-double resident() {
-  long size = 0, pages = 0;
-  if (FILE* f = std::fopen("/proc/self/statm", "r")) {
-    if (std::fscanf(f, "%ld %ld", &size, &pages) != 2) pages = 0;
-    std::fclose(f);
-  }
-  return double(pages) * 4096;
+/// Memory that the process holds by malloc, bytes.
+double allocated() {
+  const auto m = mallinfo2();
+  return double(m.uordblks) + double(m.hblkhd);
 }
 
 constexpr double kWidth = 0.044, kHeight = 0.146, kInlet = 0.9, kDensity = 1.2, kViscosity = 1.8e-5, kDiameter = 1.2e-3;
@@ -95,12 +90,12 @@ struct Bed {
     for (auto* c : {&begin, &end, &slope_begin, &slope_end}) c->reset(local);
     for (int d = 0; d < 3; ++d) exchange.source[d].reset(layout.faces(d, 0)), exchange.beta[d].reset(layout.faces(d, 0));
     set(begin, 0), set_slope(slope_begin, 0);
-    const double before = resident();
+    const double before = allocated();
     fluid = std::make_unique<FluidSolver>(MPI_COMM_WORLD, grid, layout, s);
     fluid->start(begin);
     double unused;
     for (int k = 0; k < 3; ++k) step(unused);
-    bytes = resident() - before;
+    bytes = allocated() - before;
   }
 
   void set(CellField<FineGrid>& e, double t) const {
