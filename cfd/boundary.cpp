@@ -202,9 +202,14 @@ void Boundaries::for_each_inner(const SideData& s, const Array3<double>& like, F
   Int3 in;
   in[s.d] = s.inner, in[s.e] = s.lo_e, in[s.f] = s.lo_f;
   const std::ptrdiff_t first = like.index(in[0], in[1], in[2]), se = like.stride(s.e), sf = like.stride(s.f);
-  int at = 0;
-  for (int b = 0; b < s.n_f; ++b)
-    for (int a = 0; a < s.n_e; ++a, ++at) f(at, first + a * se + b * sf);
+  for (int b = 0; b < s.n_f; ++b) {
+    const int at = s.n_e * b;
+    const std::ptrdiff_t row = first + b * sf;
+    if (se == 1)
+      for (int a = 0; a < s.n_e; ++a) f(at + a, row + a);
+    else
+      for (int a = 0; a < s.n_e; ++a) f(at + a, row + a * se);
+  }
 }
 
 void Boundaries::set_tangential(SideData& s, int side) {

@@ -253,8 +253,8 @@ FluidReport FluidSolver::advance_and_check(double interval, const VoidFractionIn
 }
 
 FluidSolver::Saved FluidSolver::save() const {
-  return {time_,        dt_previous_, velocity_scale_, imposed_,  u_,   u_old_, flux_, mean_u_,
-          mean_grad_p_, p_,           phi_,            dilation_, response_, eps_, eps_f_};
+  return {time_, dt_previous_, velocity_scale_, imposed_,  u_,   u_old_, flux_, mean_u_, mean_grad_p_,
+          p_,    phi_,         dilation_,       response_, eps_, eps_f_};
 }
 
 void FluidSolver::restore(Saved&& s) {
@@ -293,7 +293,7 @@ FluidSolver::Step FluidSolver::formula(double dt) const {
 TWOGRID_VECTORISED void FluidSolver::courant_rows(const FaceField<FineGrid>& u, double& rate, double& finite) const {
   const int n = own_.size(0);
   const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
-  double *__restrict most = row_a_.data(), *__restrict sum = row_b_.data();
+  double* __restrict most = row_a_.data(), * __restrict sum = row_b_.data();
   std::fill_n(most, n, 0.0), std::fill_n(sum, n, 0.0);
   for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
     const double* ix = &momentum_.axis(0).inverse_width_[q[0] - momentum_.axis(0).lo];
@@ -373,11 +373,29 @@ void FluidSolver::previous_level() {
 }
 
 void FluidSolver::extrapolate(const Step& step) {
+  // Beyond the sides of a direction that is left out nothing is read.
+  Box b = local_;
+  for (int d : {1, 2})
+    if (!boundaries_.component_solved(d)) b.lo[d] = own_.lo[d], b.hi[d] = own_.hi[d];
+  auto for_each_slab = [&](auto&& f) {
+    const std::size_t count = std::size_t(b.size(0)) * b.size(1);
+    for (int k = b.lo[2]; k < b.hi[2]; ++k) f(p_.index(b.lo[0], b.lo[1], k), count);
+  };
   for (int d = 0; d < 3; ++d)
-    extrapolate_values(u_[d].size(), step.r, u_[d].data(), u_old_[d].data(), u_tilde_[d].data());
+    for_each_slab([&](std::ptrdiff_t m, std::size_t n) {
+      extrapolate_values(n, step.r, u_[d].data() + m, u_old_[d].data() + m, u_tilde_[d].data() + m);
+    });
   boundaries_.apply(u_tilde_);
   for (int d = 0; d < 3; ++d)
-    multiply_values(flux_[d].size(), eps_f_[0][d].data(), u_tilde_[d].data(), flux_[d].data());
+    for_each_slab([&](std::ptrdiff_t m, std::size_t n) {
+      multiply_values(n, eps_f_[0][d].data() + m, u_tilde_[d].data() + m, flux_[d].data() + m);
+    });
+}
+
+bool FluidSolver::has(int side, BoundaryKind kind) const {
+  for (const BoundaryCondition& c : settings_.side[side])
+    if (c.kind == kind) return true;
+  return false;
 }
 
 /// An inlet's pressure is the one that, with the momentum rho F u entering, balances pressure and momentum flux at the
@@ -386,7 +404,8 @@ void FluidSolver::measure_inlet_head() {
   inlet_head_ = 0;
   if (settings_.convection == Convection::kNone) return;
   const double rho = settings_.density;
-  for (int side = 0; side < 6; ++side)
+  for (int side = 0; side < 6; ++side) {
+    if (!has(side, BoundaryKind::kInlet)) continue;
     boundaries_.for_each_face(side, [&](int, int i, int j, int k) {
       if (boundaries_.kind(side, i, j, k) != BoundaryKind::kInlet) return;
       const int d = direction(side);
@@ -396,6 +415,7 @@ void FluidSolver::measure_inlet_head() {
           momentum_.convected_through(d, in[0], in[1], in[2], rho, flux_, eps_f_[0], u_tilde_, settings_.convection) -
           rho * flux_[d](i, j, k) * u_tilde_[d](i, j, k) * grid_.area(d, i, j, k);
     });
+  }
 }
 
 /// On top of convection and viscosity in rhs_: pressure, history, exchange; then A and u*.
@@ -405,33 +425,34 @@ inline void FluidSolver::predict_component(const Step& step, const Interphase& e
   const double c0 = rho * step.a0 / step.dt, c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt;
   const std::ptrdiff_t s = p_.stride(d);
   const int n = faces_[d].size(0);
-  for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
-    const RowMeasure<d> row(momentum_, x);
-    const double *p = p_.data() + m, *now = u_[d].data() + m, *old = u_old_[d].data() + m;
-    const double *e0 = eps_f_[0][d].data() + m, *e1 = eps_f_[1][d].data() + m, *e2 = eps_f_[2][d].data() + m;
-    double *__restrict o = rhs_[d].data() + m, *__restrict A = inertia_[d].data() + m,
+  for_each_row(
+      faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+        const RowMeasure<d> row(momentum_, x);
+        const double *p = p_.data() + m, *now = u_[d].data() + m, *old = u_old_[d].data() + m;
+        const double *e0 = eps_f_[0][d].data() + m, *e1 = eps_f_[1][d].data() + m, *e2 = eps_f_[2][d].data() + m;
+        double *__restrict o = rhs_[d].data() + m, *__restrict A = inertia_[d].data() + m,
                        *__restrict next = u_next_[d].data() + m;
-    if (const double* chi = row_of(exchange.chi[d], x))
-      for (int i = 0; i < n; ++i)
-        o[i] -= (1 - chi[i]) * ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
-    else
-      for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
-    if (const double* source = row_of(exchange.source[d], x))
-      for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
-    if (exchange.mass_source.size()) {
-      const double *q = exchange.mass_source.data() + m, *tilde = u_tilde_[d].data() + m;
-      for (int i = 0; i < n; ++i) o[i] += rho * 0.5 * (q[i] + q[i - s]) * tilde[i] * row.volume(i);
-    }
-    for (int i = 0; i < n; ++i) A[i] = (c0 + friction) * e0[i];
-    if (const double* beta = row_of(exchange.beta[d], x))
-      for (int i = 0; i < n; ++i) A[i] += beta[i];
+        if (const double* chi = row_of(exchange.chi[d], x))
+          for (int i = 0; i < n; ++i)
+            o[i] -= (1 - chi[i]) * ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
+        else
+          for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
+        if (const double* source = row_of(exchange.source[d], x))
+          for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
+        if (exchange.mass_source.size()) {
+          const double *q = exchange.mass_source.data() + m, *tilde = u_tilde_[d].data() + m;
+          for (int i = 0; i < n; ++i) o[i] += rho * 0.5 * (q[i] + q[i - s]) * tilde[i] * row.volume(i);
+        }
+        for (int i = 0; i < n; ++i) A[i] = (c0 + friction) * e0[i];
+        if (const double* beta = row_of(exchange.beta[d], x))
+          for (int i = 0; i < n; ++i) A[i] += beta[i];
 #pragma GCC ivdep
-    for (int i = 0; i < n; ++i) {
-      const double V = row.volume(i);
-      o[i] -= (c1 * e1[i] * now[i] + c2 * e2[i] * old[i]) * V;
-      next[i] = o[i] / (A[i] * V);
-    }
-  });
+        for (int i = 0; i < n; ++i) {
+          const double V = row.volume(i);
+          o[i] -= (c1 * e1[i] * now[i] + c2 * e2[i] * old[i]) * V;
+          next[i] = o[i] / (A[i] * V);
+        }
+      });
 }
 
 TWOGRID_VECTORISED void FluidSolver::predict_rows(const Step& step, const Interphase& exchange, double friction) {
@@ -500,13 +521,13 @@ TWOGRID_VECTORISED void FluidSolver::missing_continuity(const Step& step, const 
   const double b0 = step.a0 / step.dt, b1 = step.a1 / step.dt, b2 = step.a2 / step.dt;
   const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
   const int n = own_.size(0);
-  double *__restrict most = row_a_.data(), *__restrict total = row_b_.data();
+  double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
   std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
   for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
     const double* wx = &momentum_.axis(0).width_[q[0] - momentum_.axis(0).lo];
     const double wy = momentum_.axis(1).width(q[1]), wz = momentum_.axis(2).width(q[2]);
     const double *e0 = eps_[0].data() + m, *e1 = eps_[1].data() + m, *e2 = eps_[2].data() + m;
-    double *__restrict dil = dilation_.data() + m, *__restrict b = imbalance_.data() + m;
+    double* __restrict dil = dilation_.data() + m, * __restrict b = imbalance_.data() + m;
     for (int i = 0; i < n; ++i) dil[i] = b0 * e0[i] + b1 * e1[i] + b2 * e2[i];
     if (exchange.mass_source.size()) {
       const double* source = exchange.mass_source.data() + m;
@@ -669,7 +690,7 @@ inline void FluidSolver::add_gradient(double share) {
 TWOGRID_VECTORISED void FluidSolver::add_to_means(double share) {
   for (int d = 0; d < 3; ++d) {
     const double *u = u_[d].data(), *e = eps_f_[0][d].data();
-    double *__restrict f = flux_[d].data(), *__restrict mean = mean_u_[d].data();
+    double* __restrict f = flux_[d].data(), * __restrict mean = mean_u_[d].data();
     const std::size_t n = u_[d].size();
     for (std::size_t m = 0; m < n; ++m) f[m] = e[m] * u[m], mean[m] += share * u[m];
   }
@@ -692,7 +713,7 @@ void FluidSolver::accept(const Step& step, double interval) {
 TWOGRID_VECTORISED void FluidSolver::largest_imbalance(double& worst, double& displaced) const {
   const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
   const int n = own_.size(0);
-  double *__restrict most = row_a_.data(), *__restrict total = row_b_.data();
+  double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
   std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
   // h = cbrt(wx wy wz) of a cell: the factor along x is applied once, at the end.
   for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
@@ -721,7 +742,8 @@ void FluidSolver::measure(const Step& step, double share, FluidReport& report) {
   std::array<double, 7> sum{0, 0, 0, 0, 0, 0, 0};  // inflow, outflow, displaced, p A and A at inlets, at outlets
   largest_imbalance(worst, sum[2]);
   sum[3] = inlet_head_;
-  for (int side = 0; side < 6; ++side)
+  for (int side = 0; side < 6; ++side) {
+    if (!has(side, BoundaryKind::kInlet) && !has(side, BoundaryKind::kPressure)) continue;  // nothing passes a wall
     boundaries_.for_each_face(side, [&](int, int i, int j, int k) {
       const int d = direction(side);
       const double A = grid_.area(d, i, j, k), flow = (is_high(side) ? -1 : 1) * flux_[d](i, j, k) * A;
@@ -736,6 +758,7 @@ void FluidSolver::measure(const Step& step, double share, FluidReport& report) {
         sum[5] += 0.5 * (p_(in[0], in[1], in[2]) + p_(out[0], out[1], out[2])) * A, sum[6] += A;
       }
     });
+  }
   MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, comm_);
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 7, MPI_DOUBLE, MPI_SUM, comm_);
   report.divergence_error = velocity_scale_ > 0 ? worst / velocity_scale_ : 0;

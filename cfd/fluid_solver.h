@@ -10,6 +10,7 @@
 //                           - s (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
 //                    (implicit viscosity: tau(u*) on the left, conjugate gradients)
 //   (3) project      div( eps s/A grad phi ) = div(eps u*) + d(eps)/dt - q,   d(eps)/dt by the same BDF2 formula
+//                    (first guess: r phi of the step before)
 //   (4) correct      u^{n+1} = u* - s/A grad phi,   p^{n+1} = p^n + phi
 //                    (- 4/3 mu (div(eps u*) + d(eps)/dt - q) when viscosity is implicit: the rotational form of
 //                    Guermond & Shen (2004), with s taken as 1, an error of second order in dt)
@@ -102,6 +103,7 @@ class FluidSolver : public Fluid {
   void previous_level();
   void extrapolate(const Step& step);
   void measure_inlet_head();
+  bool has(int side, BoundaryKind kind) const;
   void predict(const Step& step, const Interphase& exchange);
   void project(const Step& step, const Interphase& exchange, FluidReport& report);
   void correct();
@@ -157,9 +159,9 @@ class FluidSolver : public Fluid {
   CellField<FineGrid> phi_, dilation_, imbalance_;
   CellField<FineGrid> response_, response_rhs_;  // potential answering a unit mean gradient (flow-rate control)
   FaceField<FineGrid> mean_u_, mean_grad_p_;
-  double velocity_scale_ = 0;  // largest |eps u| (m/s)
+  double velocity_scale_ = 0;                  // largest |eps u| (m/s)
   mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row
-  double inlet_head_ = 0;      // own inlet faces: momentum flux through the first cells' centres less that entering, N
+  double inlet_head_ = 0;  // own inlet faces: momentum flux through the first cells' centres less that entering, N
   bool implicit_viscosity_ = false;
 };
 

@@ -9,8 +9,8 @@ namespace twogrid {
 
 namespace {
 
-/// Change of a value on the way to a side, half of twice the harmonic mean of the slopes on both sides of it; zero at an
-/// extremum (van Leer 1974).
+/// Change of a value on the way to a side, half of twice the harmonic mean of the slopes on both sides of it; zero at
+/// an extremum (van Leer 1974).
 inline double limited_change(double distance, double slope, double behind) {
   const double p = slope * behind;
   const bool rises = p > 0;
@@ -41,8 +41,8 @@ inline double transported_along(const double* v, const double* F, const double* 
   const double F0 = up ? F[below] : F[upper], F1 = up ? F[lower] : F[above];
   const double e0 = up ? e[below] : e[upper], e1 = up ? e[lower] : e[above];
   const double behind = b1 - b0 - explained(b1 - b0, 0.5 * (F0 + F1), e0, e1);
-  const double half = 0.5 * (by_eps + limited_change(dist, (change - by_eps) * inverse,
-                                                     behind * (up ? inverse_below : inverse_above)));
+  const double half =
+      0.5 * (by_eps + limited_change(dist, (change - by_eps) * inverse, behind * (up ? inverse_below : inverse_above)));
   return up ? v[lower] + half : v[upper] - half;
 }
 
@@ -246,8 +246,9 @@ double Momentum::convected_through(int c, int i, int j, int k, double rho, const
                       axis_[(c + 2) % 3].width(x[(c + 2) % 3]);
   const double* v = u[c].data();
   if (scheme == Convection::kVanLeer)
-    return rho * flow * transported_along(v, F[c].data(), eps_f[c].data(), m, s, flow >= 0, 1 / a.width(x[c] - 1),
-                                          a.width(x[c]), 1 / a.width(x[c]), 1 / a.width(x[c] + 1));
+    return rho * flow *
+           transported_along(v, F[c].data(), eps_f[c].data(), m, s, flow >= 0, 1 / a.width(x[c] - 1), a.width(x[c]),
+                             1 / a.width(x[c]), 1 / a.width(x[c] + 1));
   return rho * flow * 0.5 * (v[m] + v[m + s]);
 }
 
@@ -313,7 +314,8 @@ inline void Momentum::add_stress(Array3<double>& out) const {
     for (int j = r.lo[1]; j < r.hi[1]; ++j) {
       const std::ptrdiff_t m = out.index(r.lo[0], j, k);
       const Int3 x{r.lo[0], j, k};
-      const auto wa = along_row<a>(axis_[a].width_, x[a] - axis_[a].lo), wb = along_row<b>(axis_[b].width_, x[b] - axis_[b].lo);
+      const auto wa = along_row<a>(axis_[a].width_, x[a] - axis_[a].lo),
+                 wb = along_row<b>(axis_[b].width_, x[b] - axis_[b].lo);
       const auto below = along_row<c>(axis_[c].half_below_, x[c] - axis_[c].lo),
                  above = along_row<c>(axis_[c].half_above_, x[c] - axis_[c].lo);
       const double *nn = normal_[c].data() + m, *ca = shear_[b].data() + m, *cb = shear_[a].data() + m;

@@ -15,8 +15,8 @@ namespace twogrid {
 struct AxisMeasure {
   int lo = 0;
   std::vector<double> width_, face_width_, half_below_, half_above_;
-  std::vector<double> inverse_width_, inverse_face_width_;  // 1/m
-  std::vector<double> above_share_;                         // of cell i in the mean of cells i-1 and i
+  std::vector<double> inverse_width_, inverse_face_width_;        // 1/m
+  std::vector<double> above_share_;                               // of cell i in the mean of cells i-1 and i
   double width(int i) const { return width_[i - lo]; }            ///< of cell i, m
   double face_width(int i) const { return face_width_[i - lo]; }  ///< between centres of cells i-1 and i, m
   double half_below(int i) const { return half_below_[i - lo]; }  ///< part of face i's volume in cell i-1 (0 outside)
@@ -72,9 +72,9 @@ class Momentum {
   std::array<AxisMeasure, 3> axis_;
   std::array<bool, 3> periodic_;
   Int3 n_;
-  std::array<std::vector<double>, 3> side_;     // scratch: fluxes through the sides of a row, two rows, two slabs
-  std::array<Array3<double>, 3> normal_;        // scratch: eps tau_cc A-less, in cells
-  std::array<Array3<double>, 3> shear_;         // scratch: eps tau_yz, tau_xz, tau_xy on edges
+  std::array<std::vector<double>, 3> side_;  // scratch: fluxes through the sides of a row, two rows, two slabs
+  std::array<Array3<double>, 3> normal_;     // scratch: eps tau_cc A-less, in cells
+  std::array<Array3<double>, 3> shear_;      // scratch: eps tau_yz, tau_xz, tau_xy on edges
 };
 
 }  // namespace twogrid

@@ -298,8 +298,7 @@ struct Multigrid<T>::Level {
   TWOGRID_VECTORISED void prolong(int colour, const Level& coarse) {
     const int nx = own.size(0);
     whole_rows(colour, [&](int j, int k, std::ptrdiff_t m, const T* mine) {
-      const T* row_x =
-          coarse.x.data() + coarse.x.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
+      const T* row_x = coarse.x.data() + coarse.x.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
       const std::ptrdiff_t oy = side[1][j - own.lo[1]] * coarse.x.stride(1),
                            oz = side[2][k - own.lo[2]] * coarse.x.stride(2);
       const T *wx = w[0].data() + m, *wy = w[1].data() + m, *wz = w[2].data() + m;

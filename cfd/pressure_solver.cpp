@@ -317,7 +317,7 @@ class PressureSolver::Impl {
   Int3 n_;
   Box own_;
   bool singular_ = false, known_ = false;
-  double target_ = 0;                             // residual norm at which to stop
+  double target_ = 0;                          // residual norm at which to stop
   double operator_scale_ = 1, rhs_scale_ = 1;  // factors on A and on residuals in the multigrid
   FaceHalo halo_;
   std::array<Array3<double>, 3> g_;

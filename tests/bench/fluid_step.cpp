@@ -1,7 +1,7 @@
 // Cost of the fluid step and of its pressure solve on a made-up bubbling bed: voids of eps near 1 rise at 0.5 m/s
 // through a bed of eps = 0.42, freeboard above; drag of Ergun at the superficial 0.9 m/s, d = 1.2 mm, air; inlet below,
-// outlet on top, walls around. Figures are CPU time of the thread, in nanoseconds a cell and step; the fields of the next
-// interval are made off the clock.
+// outlet on top, walls around. Figures are CPU time of the thread, in nanoseconds a cell and step; the fields of the
+// next interval are made off the clock.
 //
 //   fluid_bench --benchmark_filter=step        whole step: small (15 x 3 x 50), 50k, 400k, and one cell deep
 //   fluid_bench --benchmark_filter=pressure    set-up and solve of the pressure equation, first guess zero
@@ -42,11 +42,13 @@ double smooth_step(double x) {
 double void_fraction(double x, double y, double z, double t) {
   const double bed = 0.42 + 0.58 * smooth_step((z - 0.09) / 0.01);
   double bubble = 0;
-  const double centre[4][4] = {{0.012, 0.004, 0.01, 0.007}, {0.03, 0.006, 0.04, 0.009},
-                               {0.018, 0.002, 0.065, 0.008}, {0.036, 0.005, 0.075, 0.006}};
+  const double centre[4][4] = {{0.012, 0.004, 0.01, 0.007},
+                               {0.03, 0.006, 0.04, 0.009},
+                               {0.018, 0.002, 0.065, 0.008},
+                               {0.036, 0.005, 0.075, 0.006}};
   for (const auto& c : centre) {
-    const double r = std::sqrt((x - c[0]) * (x - c[0]) + (y - c[1]) * (y - c[1]) +
-                               (z - c[2] - 0.5 * t) * (z - c[2] - 0.5 * t));
+    const double r =
+        std::sqrt((x - c[0]) * (x - c[0]) + (y - c[1]) * (y - c[1]) + (z - c[2] - 0.5 * t) * (z - c[2] - 0.5 * t));
     bubble = std::max(bubble, 1 - smooth_step((r - 0.7 * c[3]) / (0.6 * c[3])));
   }
   // Particles arranged at random: what centroid deposition onto a particle grid leaves.
@@ -88,7 +90,8 @@ struct Bed {
     s.initial_velocity = {0, 0, kInlet};
     const Box local = layout.cells(0).grown(Fluid::kHalo);
     for (auto* c : {&begin, &end, &slope_begin, &slope_end}) c->reset(local);
-    for (int d = 0; d < 3; ++d) exchange.source[d].reset(layout.faces(d, 0)), exchange.beta[d].reset(layout.faces(d, 0));
+    for (int d = 0; d < 3; ++d)
+      exchange.source[d].reset(layout.faces(d, 0)), exchange.beta[d].reset(layout.faces(d, 0));
     set(begin, 0), set_slope(slope_begin, 0);
     const double before = allocated();
     fluid = std::make_unique<FluidSolver>(MPI_COMM_WORLD, grid, layout, s);
@@ -168,8 +171,8 @@ void pressure(benchmark::State& state, Int3 n, double dt) {
       Vec3 x{grid.axis[0].centre(i), grid.axis[1].centre(j), grid.axis[2].centre(k)};
       x[d] = a.node(q[d]);
       const double eps = void_fraction(x[0], x[1], x[2], 0);
-      g[d](i, j, k) =
-          eps / (1.5 * kDensity * eps / dt + drag(eps)) * grid.area(d, i, j, k) / ((edge ? 0.5 : 1) * a.face_width(q[d]));
+      g[d](i, j, k) = eps / (1.5 * kDensity * eps / dt + drag(eps)) * grid.area(d, i, j, k) /
+                      ((edge ? 0.5 : 1) * a.face_width(q[d]));
     });
   }
   // The void fraction's rate of change in a step: what drives the projection.
