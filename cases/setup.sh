@@ -3,7 +3,7 @@
 set -eu
 
 packages="g++ cmake ninja-build pkg-config git
-  libliggghts-dev libpetsc-real-dev openmpi-bin libopenmpi-dev libhdf5-openmpi-dev libeigen3-dev libgtest-dev
+  libliggghts-dev libpetsc-real-dev openmpi-bin libopenmpi-dev libhdf5-openmpi-dev libeigen3-dev libgtest-dev libbenchmark-dev
   python3 python3-numpy python3-h5py python3-matplotlib"
 
 missing=

@@ -144,13 +144,15 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
     }
   }
   for (int side = 0; side < 6; ++side) {
-    const SideData& s = side_[side];
+    SideData& s = side_[side];
     if (!s.here) continue;
+    s.outlet.resize(s.condition.size());
     for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
       for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
         Int3 c;
         c[s.d] = s.face, c[s.e] = a, c[s.f] = b;
         const bool outlet = settings.side[side][s.condition[s.at(a, b)]].kind == BoundaryKind::kPressure;
+        s.outlet[s.at(a, b)] = outlet;
         state_[s.d](c[0], c[1], c[2]) = outlet ? FaceState::kSolved : FaceState::kFixed;
       }
   }
@@ -178,15 +180,35 @@ void Boundaries::normalise_parabolas(MPI_Comm comm, SideData& s, int side) {
 void Boundaries::update() {
   for (int side = 0; side < 6; ++side) {
     const auto& conditions = settings_.side[side];
-    for (std::size_t c = 0; c < conditions.size(); ++c)
-      velocity_[side][c] = conditions[c].velocity_now ? conditions[c].velocity_now() : conditions[c].velocity;
+    bool changed = !known_;
+    for (std::size_t c = 0; c < conditions.size(); ++c) {
+      const Vec3 now = conditions[c].velocity_now ? conditions[c].velocity_now() : conditions[c].velocity;
+      changed = changed || now != velocity_[side][c];
+      velocity_[side][c] = now;
+    }
     SideData& s = side_[side];
-    if (!s.here) continue;
+    if (!s.here || !changed) continue;
     for (std::size_t m = 0; m < s.normal.size(); ++m) {
       const BoundaryCondition& c = conditions[s.condition[m]];
       s.normal[m] = c.kind == BoundaryKind::kInlet ? velocity_[side][s.condition[m]][s.d] * s.profile[m] : 0.0;
     }
     set_tangential(s, side);
+  }
+  known_ = true;
+}
+
+template <class F>
+void Boundaries::for_each_inner(const SideData& s, const Array3<double>& like, F&& f) {
+  Int3 in;
+  in[s.d] = s.inner, in[s.e] = s.lo_e, in[s.f] = s.lo_f;
+  const std::ptrdiff_t first = like.index(in[0], in[1], in[2]), se = like.stride(s.e), sf = like.stride(s.f);
+  for (int b = 0; b < s.n_f; ++b) {
+    const int at = s.n_e * b;
+    const std::ptrdiff_t row = first + b * sf;
+    if (se == 1)
+      for (int a = 0; a < s.n_e; ++a) f(at + a, row + a);
+    else
+      for (int a = 0; a < s.n_e; ++a) f(at + a, row + a * se);
   }
 }
 
@@ -220,13 +242,11 @@ void Boundaries::apply_normal(FaceField<FineGrid>& u, bool homogeneous) const {
   const double on = homogeneous ? 0.0 : 1.0;
   for (const SideData& s : side_) {
     if (!s.here) continue;
-    const auto& state = state_[s.d];
-    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
-      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
-        Int3 c;
-        c[s.d] = s.face, c[s.e] = a, c[s.f] = b;
-        if (state(c[0], c[1], c[2]) == FaceState::kFixed) u[s.d](c[0], c[1], c[2]) = on * s.normal[s.at(a, b)];
-      }
+    double* v = u[s.d].data();
+    const std::ptrdiff_t to_face = s.step < 0 ? u[s.d].stride(s.d) : 0;
+    for_each_inner(s, u[s.d], [&](int m, std::ptrdiff_t in) {
+      if (!s.outlet[m]) v[in + to_face] = on * s.normal[m];
+    });
   }
 }
 
@@ -235,30 +255,26 @@ void Boundaries::apply(FaceField<FineGrid>& u, bool homogeneous) const {
   const double on = homogeneous ? 0.0 : 1.0;
   for (const SideData& s : side_) {
     if (!s.here) continue;
-    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
-      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
-        const int m = s.at(a, b);
-        Int3 c;
-        c[s.e] = a, c[s.f] = b;
-        // Normal component: constant beyond the boundary face.
-        c[s.d] = s.face;
-        const double un = u[s.d](c[0], c[1], c[2]);
-        for (int g = 1; g <= Fluid::kHalo; ++g) {
-          c[s.d] = s.face - s.step * g;
-          if (c[s.d] >= local_.lo[s.d] && c[s.d] < local_.hi[s.d]) u[s.d](c[0], c[1], c[2]) = un;
-        }
-        for (int t = 0; t < 2; ++t) {
-          auto& v = u[t == 0 ? s.e : s.f];
-          for (int g = 0; g < Fluid::kHalo; ++g) {
-            Int3 in = c, out = c;
-            in[s.d] = s.inner + s.step * g;
-            out[s.d] = s.inner - s.step * (1 + g);
-            if (out[s.d] < local_.lo[s.d] || out[s.d] >= local_.hi[s.d]) continue;
-            if (in[s.d] < local_.lo[s.d] || in[s.d] >= local_.hi[s.d]) in[s.d] = s.inner;
-            v(out[0], out[1], out[2]) = s.slope[t][m] * v(in[0], in[1], in[2]) + on * s.offset[t][m];
-          }
-        }
+    auto held = [&](int i) { return i >= local_.lo[s.d] && i < local_.hi[s.d]; };
+    const std::ptrdiff_t inwards = s.step * u[s.d].stride(s.d), to_face = s.step < 0 ? u[s.d].stride(s.d) : 0;
+    // Sides are taken one after the other, each with all components: at edges the later ones have the last word.
+    for (int g = 1; g <= Fluid::kHalo; ++g) {
+      // Normal component: constant beyond the boundary face.
+      if (!held(s.face - s.step * g)) continue;
+      double* v = u[s.d].data() + to_face;
+      for_each_inner(s, u[s.d], [&](int, std::ptrdiff_t in) { v[in - g * inwards] = v[in]; });
+    }
+    for (int t = 0; t < 2; ++t) {
+      auto& component = u[t == 0 ? s.e : s.f];
+      double* v = component.data();
+      const double *slope = s.slope[t].data(), *offset = s.offset[t].data();
+      for (int g = 0; g < Fluid::kHalo; ++g) {
+        if (!held(s.inner - s.step * (1 + g))) continue;
+        const std::ptrdiff_t from = held(s.inner + s.step * g) ? g * inwards : 0, to = -(1 + g) * inwards;
+        for_each_inner(s, component,
+                       [&](int m, std::ptrdiff_t in) { v[in + to] = slope[m] * v[in + from] + on * offset[m]; });
       }
+    }
   }
 }
 
@@ -266,36 +282,28 @@ void Boundaries::apply_pressure(CellField<FineGrid>& p, const FaceField<FineGrid
   for (int side = 0; side < 6; ++side) {
     const SideData& s = side_[side];
     if (!s.here) continue;
-    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
-      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
-        const BoundaryCondition& c = settings_.side[side][s.condition[s.at(a, b)]];
-        Int3 in, out, face;
-        in[s.e] = out[s.e] = face[s.e] = a, in[s.f] = out[s.f] = face[s.f] = b;
-        in[s.d] = s.inner, out[s.d] = s.inner - s.step, face[s.d] = s.face;
-        const double p_in = p(in[0], in[1], in[2]);
-        double ghost = p_in;
-        if (c.kind == BoundaryKind::kPressure) {
-          const double inward = s.step * u[s.d](face[0], face[1], face[2]);
-          const double p_face = c.pressure - (inward > 0 ? 0.5 * density * inward * inward : 0.0);
-          ghost = 2 * p_face - p_in;
-        }
-        p(out[0], out[1], out[2]) = ghost;
+    const std::ptrdiff_t outwards = -s.step * p.stride(s.d), to_face = s.step < 0 ? p.stride(s.d) : 0;
+    double* v = p.data();
+    const double* normal = u[s.d].data();
+    for_each_inner(s, p, [&](int m, std::ptrdiff_t in) {
+      double ghost = v[in];
+      if (s.outlet[m]) {
+        const double inward = s.step * normal[in + to_face];
+        const double p_face =
+            settings_.side[side][s.condition[m]].pressure - (inward > 0 ? 0.5 * density * inward * inward : 0.0);
+        ghost = 2 * p_face - v[in];
       }
+      v[in + outwards] = ghost;
+    });
   }
 }
 
 void Boundaries::apply_correction(CellField<FineGrid>& phi) const {
-  for (int side = 0; side < 6; ++side) {
-    const SideData& s = side_[side];
+  for (const SideData& s : side_) {
     if (!s.here) continue;
-    for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
-      for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
-        Int3 in, out;
-        in[s.e] = out[s.e] = a, in[s.f] = out[s.f] = b;
-        in[s.d] = s.inner, out[s.d] = s.inner - s.step;
-        const bool outlet = settings_.side[side][s.condition[s.at(a, b)]].kind == BoundaryKind::kPressure;
-        phi(out[0], out[1], out[2]) = (outlet ? -1.0 : 1.0) * phi(in[0], in[1], in[2]);
-      }
+    const std::ptrdiff_t outwards = -s.step * phi.stride(s.d);
+    double* v = phi.data();
+    for_each_inner(s, phi, [&](int m, std::ptrdiff_t in) { v[in + outwards] = s.outlet[m] ? 0.0 : v[in]; });
   }
 }
 

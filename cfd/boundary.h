@@ -43,7 +43,7 @@ class Boundaries {
   /// Ghost cells so that (p_ghost - p_inner)/(distance of centres) is the gradient at an outlet face whose pressure is
   /// the prescribed one, lowered by rho u^2/2 where fluid comes in (still surroundings). Elsewhere p_ghost = p_inner.
   void apply_pressure(CellField<FineGrid>& p, const FaceField<FineGrid>& u, double density) const;
-  /// The same for a correction phi, zero at outlets.
+  /// The same for a correction phi: zero in an outlet's ghost, which stands for the face itself (half the distance).
   void apply_correction(CellField<FineGrid>& phi) const;
   /// eps on faces: sets prescribed inflow faces to 1 (an empty duct in front of them).
   void apply_face_eps(FaceField<FineGrid>& eps_f) const;
@@ -64,12 +64,16 @@ class Boundaries {
     int inner = 0, step = 0;                           // first inner cell; +1: inwards is up
     int lo_e = 0, n_e = 0, lo_f = 0, n_f = 0;          // tangential range with halo
     std::vector<int> condition;                        // of every boundary face in the range
+    std::vector<unsigned char> outlet;                 // 1: a pressure outlet
     std::vector<double> profile;                       // factor on the inlet velocity
     std::vector<double> normal;                        // prescribed normal velocity
     std::array<std::vector<double>, 2> slope, offset;  // tangential ghost = slope * inner + offset, for e and f
     Box own;                                           // the rank's own boundary faces
     int at(int a, int b) const { return (a - lo_e) + n_e * (b - lo_f); }
   };
+  /// Calls f(index in the side's lists, memory index of the inner cell in `like`) for all faces of a side in the range.
+  template <class F>
+  static void for_each_inner(const SideData& s, const Array3<double>& like, F&& f);
   /// Scales parabolic profiles so that the faces of a patch, not its drawn outline, carry the given mean. Collective.
   void normalise_parabolas(MPI_Comm comm, SideData& s, int side);
   void set_tangential(SideData& s, int side);
@@ -81,7 +85,7 @@ class Boundaries {
   std::array<Array3<FaceState>, 3> state_;
   std::array<bool, 3> solved_{true, true, true};
   std::array<std::vector<Vec3>, 6> velocity_;  // of every condition, now
-  bool open_ = false;
+  bool open_ = false, known_ = false;
 };
 
 template <class F>

@@ -6,6 +6,7 @@
 
 #include "compiled.h"
 #include "pressure_solver.h"
+#include "vectorised.h"
 #include "viscous_solver.h"
 
 namespace twogrid {
@@ -42,6 +43,51 @@ void copy(const Array3<double>& from, Array3<double>& to, const Box& box) {
   for_each(box, [&](int i, int j, int k) { to(i, j, k) = from(i, j, k); });
 }
 
+/// Measures of a row of faces normal to d, or of the cells above them, from (i,j,k) on.
+template <int d>
+struct RowMeasure {
+  static constexpr int e = (d + 1) % 3, f = (d + 2) % 3;
+  AlongRow<d == 0> below, above, inverse_width;
+  AlongRow<e == 0> we;
+  AlongRow<f == 0> wf;
+
+  RowMeasure(const Momentum& m, const Int3& x)
+      : below(along_row<d>(m.axis(d).half_below_, x[d] - m.axis(d).lo)),
+        above(along_row<d>(m.axis(d).half_above_, x[d] - m.axis(d).lo)),
+        inverse_width(along_row<d>(m.axis(d).inverse_face_width_, x[d] - m.axis(d).lo)),
+        we(along_row<e>(m.axis(e).width_, x[e] - m.axis(e).lo)),
+        wf(along_row<f>(m.axis(f).width_, x[f] - m.axis(f).lo)) {}
+  double area(int t) const { return we[t] * wf[t]; }
+  double volume(int t) const { return (below[t] + above[t]) * we[t] * wf[t]; }
+};
+
+/// Calls f(first index of the row, its memory index in `like`) for each row of the box.
+template <class F>
+inline void for_each_row(const Box& b, const Array3<double>& like, F&& f) {
+  for (int k = b.lo[2]; k < b.hi[2]; ++k)
+    for (int j = b.lo[1]; j < b.hi[1]; ++j) f(Int3{b.lo[0], j, k}, like.index(b.lo[0], j, k));
+}
+
+/// The row of an exchange's field that begins at x; null where the field is absent. Its box need not be the solver's.
+inline const double* row_of(const Array3<double>& a, const Int3& x) {
+  return a.size() ? a.data() + a.index(x[0], x[1], x[2]) : nullptr;
+}
+
+TWOGRID_VECTORISED void extrapolate_values(std::size_t n, double r, const double* now, const double* old,
+                                           double* __restrict out) {
+  for (std::size_t m = 0; m < n; ++m) out[m] = now[m] + r * (now[m] - old[m]);
+}
+
+TWOGRID_VECTORISED void multiply_values(std::size_t n, const double* a, const double* b, double* __restrict out) {
+  for (std::size_t m = 0; m < n; ++m) out[m] = a[m] * b[m];
+}
+
+TWOGRID_VECTORISED void void_fraction_at(const VoidFractionInTime& eps, double s, double interval, std::size_t n,
+                                         double* __restrict out) {
+  const VoidFractionInTime path = eps;
+  for (std::size_t m = 0; m < n; ++m) out[m] = path.at(std::ptrdiff_t(m), s, interval);
+}
+
 }  // namespace
 
 FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, const FluidSettings& settings)
@@ -55,7 +101,10 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
       faces_{own_.empty() ? Box{} : layout.faces(0, rank_), own_.empty() ? Box{} : layout.faces(1, rank_),
              own_.empty() ? Box{} : layout.faces(2, rank_)},
       boundaries_(comm, grid_, layout_, settings_),
-      momentum_(grid_, own_, local_, faces_) {
+      momentum_(grid_, own_, local_, faces_,
+                {boundaries_.component_solved(0), boundaries_.component_solved(1), boundaries_.component_solved(2)}),
+      row_a_(local_.size(0)),
+      row_b_(local_.size(0)) {
   const auto wanted = with_halo(layout_.all_cells());
   cell_halo_ = BlockExchange(comm_, layout_.all_cells(), wanted, grid_.n(), grid_.periodic());
   for (int d = 0; d < 3; ++d)
@@ -96,6 +145,7 @@ void FluidSolver::start(const CellField<FineGrid>& eps) {
   eps_[1] = eps_[0];
   eps_f_[1] = eps_f_[0];
   p_.fill(0);
+  phi_.fill(0);
   for (int d = 0; d < 3; ++d) u_[d].fill(boundaries_.component_solved(d) ? settings_.initial_velocity[d] : 0.0);
   if (settings_.initial_vortex != 0) add_vortex();
   boundaries_.update();
@@ -143,6 +193,7 @@ void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const Cel
   fill(u_);
   fill(u_old_);
   copy(p, p_, own_);
+  fill(p_);
   eps_[0] = eps;
   eps_[1] = eps_previous;
   for (int level : {0, 1}) set_face_eps(level);
@@ -203,15 +254,15 @@ FluidReport FluidSolver::advance_and_check(double interval, const VoidFractionIn
 }
 
 FluidSolver::Saved FluidSolver::save() const {
-  return {time_,        dt_previous_, velocity_scale_, imposed_,  u_,   u_old_, flux_, mean_u_,
-          mean_grad_p_, p_,           dilation_,       response_, eps_, eps_f_};
+  return {time_, dt_previous_, velocity_scale_, imposed_,  u_,   u_old_, flux_, mean_u_, mean_grad_p_,
+          p_,    phi_,         dilation_,       response_, eps_, eps_f_};
 }
 
 void FluidSolver::restore(Saved&& s) {
   time_ = s.time, dt_previous_ = s.dt_previous, velocity_scale_ = s.velocity_scale, imposed_ = s.imposed;
   u_ = std::move(s.u), u_old_ = std::move(s.u_old), flux_ = std::move(s.flux);
   mean_u_ = std::move(s.mean_u), mean_grad_p_ = std::move(s.mean_grad_p);
-  p_ = std::move(s.p), dilation_ = std::move(s.dilation), response_ = std::move(s.response);
+  p_ = std::move(s.p), phi_ = std::move(s.phi), dilation_ = std::move(s.dilation), response_ = std::move(s.response);
   eps_ = std::move(s.eps), eps_f_ = std::move(s.eps_f);
 }
 
@@ -240,17 +291,31 @@ FluidSolver::Step FluidSolver::formula(double dt) const {
   return s;
 }
 
+TWOGRID_VECTORISED void FluidSolver::courant_rows(const FaceField<FineGrid>& u, double& rate, double& finite) const {
+  const int n = own_.size(0);
+  const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
+  double* __restrict most = row_a_.data(), * __restrict sum = row_b_.data();
+  std::fill_n(most, n, 0.0), std::fill_n(sum, n, 0.0);
+  for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
+    const double* ix = &momentum_.axis(0).inverse_width_[q[0] - momentum_.axis(0).lo];
+    const double iy = momentum_.axis(1).inverse_width_[q[1] - momentum_.axis(1).lo];
+    const double iz = momentum_.axis(2).inverse_width_[q[2] - momentum_.axis(2).lo];
+    const double *ux = u[0].data() + m, *uy = u[1].data() + m, *uz = u[2].data() + m;
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) {
+      const double x = std::max(std::abs(ux[i]), std::abs(ux[i + 1])) * ix[i];
+      const double y = std::max(std::abs(uy[i]), std::abs(uy[i + sy])) * iy;
+      const double z = std::max(std::abs(uz[i]), std::abs(uz[i + sz])) * iz;
+      most[i] = std::max(most[i], x + y + z);
+      sum[i] += x + y + z;
+    }
+  });
+  for (int i = 0; i < n; ++i) rate = std::max(rate, most[i]), finite += sum[i];
+}
+
 double FluidSolver::courant_rate(const FaceField<FineGrid>& u) const {
   double rate = 0, finite = 0;
-  const std::array<std::ptrdiff_t, 3> s{p_.stride(0), p_.stride(1), p_.stride(2)};
-  for_each(own_, [&](int i, int j, int k) {
-    const std::ptrdiff_t m = p_.index(i, j, k);
-    const double x = std::max(std::abs(u[0].data()[m]), std::abs(u[0].data()[m + s[0]])) / momentum_.axis(0).width(i);
-    const double y = std::max(std::abs(u[1].data()[m]), std::abs(u[1].data()[m + s[1]])) / momentum_.axis(1).width(j);
-    const double z = std::max(std::abs(u[2].data()[m]), std::abs(u[2].data()[m + s[2]])) / momentum_.axis(2).width(k);
-    rate = std::max(rate, x + y + z);
-    finite += x + y + z;
-  });
+  courant_rows(u, rate, finite);
   if (!std::isfinite(finite)) rate = INFINITY;
   MPI_Allreduce(MPI_IN_PLACE, &rate, 1, MPI_DOUBLE, MPI_MAX, comm_);
   return rate;
@@ -297,8 +362,7 @@ void FluidSolver::next_level(const VoidFractionInTime& eps, double s, double int
   std::swap(eps_[0], eps_[1]);
   std::swap(eps_f_[1], eps_f_[2]);
   std::swap(eps_f_[0], eps_f_[1]);
-  double* e = eps_[0].data();
-  for (std::size_t m = 0; m < eps_[0].size(); ++m) e[m] = eps.at(m, s, interval);
+  void_fraction_at(eps, s, interval, eps_[0].size(), eps_[0].data());
   set_face_eps(0);
 }
 
@@ -321,36 +385,29 @@ void FluidSolver::previous_level() {
 }
 
 void FluidSolver::extrapolate(const Step& step) {
-  for (int d = 0; d < 3; ++d) {
-    const double *now = u_[d].data(), *old = u_old_[d].data();
-    double* t = u_tilde_[d].data();
-    for (std::size_t m = 0; m < u_[d].size(); ++m) t[m] = now[m] + step.r * (now[m] - old[m]);
-  }
+  // Beyond the sides of a direction that is left out nothing is read.
+  Box b = local_;
+  for (int d : {1, 2})
+    if (!boundaries_.component_solved(d)) b.lo[d] = own_.lo[d], b.hi[d] = own_.hi[d];
+  auto for_each_slab = [&](auto&& f) {
+    const std::size_t count = std::size_t(b.size(0)) * b.size(1);
+    for (int k = b.lo[2]; k < b.hi[2]; ++k) f(p_.index(b.lo[0], b.lo[1], k), count);
+  };
+  for (int d = 0; d < 3; ++d)
+    for_each_slab([&](std::ptrdiff_t m, std::size_t n) {
+      extrapolate_values(n, step.r, u_[d].data() + m, u_old_[d].data() + m, u_tilde_[d].data() + m);
+    });
   boundaries_.apply(u_tilde_);
-  for (int d = 0; d < 3; ++d) {
-    const double *t = u_tilde_[d].data(), *e = eps_f_[0][d].data();
-    double* f = flux_[d].data();
-    for (std::size_t m = 0; m < flux_[d].size(); ++m) f[m] = e[m] * t[m];
-  }
+  for (int d = 0; d < 3; ++d)
+    for_each_slab([&](std::ptrdiff_t m, std::size_t n) {
+      multiply_values(n, eps_f_[0][d].data() + m, u_tilde_[d].data() + m, flux_[d].data() + m);
+    });
 }
 
-/// rhs -= s (grad p + G) V, on own faces.
-void FluidSolver::pressure_force(FaceField<FineGrid>& rhs, const Interphase& exchange) {
-  fill(p_);
-  boundaries_.apply_pressure(p_, u_tilde_, settings_.density);
-  for (int d = 0; d < 3; ++d) {
-    if (!boundaries_.component_solved(d)) continue;
-    const std::ptrdiff_t s = p_.stride(d);
-    const FaceComponent<FineGrid>* chi = exchange.chi[d].size() ? &exchange.chi[d] : nullptr;
-    const double* p = p_.data();
-    double* o = rhs[d].data();
-    for_each(faces_[d], [&](int i, int j, int k) {
-      const std::ptrdiff_t m = p_.index(i, j, k);
-      const Int3 x{i, j, k};
-      const double gradient = (p[m] - p[m - s]) / momentum_.axis(d).face_width(x[d]) + imposed_[d];
-      o[m] -= (chi ? 1 - (*chi)(i, j, k) : 1.0) * gradient * momentum_.volume(d, i, j, k);
-    });
-  }
+bool FluidSolver::has(int side, BoundaryKind kind) const {
+  for (const BoundaryCondition& c : settings_.side[side])
+    if (c.kind == kind) return true;
+  return false;
 }
 
 /// An inlet's pressure is the one that, with the momentum rho F u entering, balances pressure and momentum flux at the
@@ -359,7 +416,8 @@ void FluidSolver::measure_inlet_head() {
   inlet_head_ = 0;
   if (settings_.convection == Convection::kNone) return;
   const double rho = settings_.density;
-  for (int side = 0; side < 6; ++side)
+  for (int side = 0; side < 6; ++side) {
+    if (!has(side, BoundaryKind::kInlet)) continue;
     boundaries_.for_each_face(side, [&](int, int i, int j, int k) {
       if (boundaries_.kind(side, i, j, k) != BoundaryKind::kInlet) return;
       const int d = direction(side);
@@ -369,6 +427,46 @@ void FluidSolver::measure_inlet_head() {
           momentum_.convected_through(d, in[0], in[1], in[2], rho, flux_, eps_f_[0], u_tilde_, settings_.convection) -
           rho * flux_[d](i, j, k) * u_tilde_[d](i, j, k) * grid_.area(d, i, j, k);
     });
+  }
+}
+
+/// On top of convection and viscosity in rhs_: pressure, history, exchange; then A and u*.
+template <int d>
+inline void FluidSolver::predict_component(const Step& step, const Interphase& exchange, double friction) {
+  const double rho = settings_.density, imposed = imposed_[d];
+  const double c0 = rho * step.a0 / step.dt, c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt;
+  const std::ptrdiff_t s = p_.stride(d);
+  const int n = faces_[d].size(0);
+  for_each_row(
+      faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+        const RowMeasure<d> row(momentum_, x);
+        const double *p = p_.data() + m, *now = u_[d].data() + m, *old = u_old_[d].data() + m;
+        const double *e0 = eps_f_[0][d].data() + m, *e1 = eps_f_[1][d].data() + m, *e2 = eps_f_[2][d].data() + m;
+        double *__restrict o = rhs_[d].data() + m, *__restrict A = inertia_[d].data() + m,
+                       *__restrict next = u_next_[d].data() + m;
+        if (const double* chi = row_of(exchange.chi[d], x))
+          for (int i = 0; i < n; ++i)
+            o[i] -= (1 - chi[i]) * ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
+        else
+          for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
+        if (const double* source = row_of(exchange.source[d], x))
+          for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
+        for (int i = 0; i < n; ++i) A[i] = (c0 + friction) * e0[i];
+        if (const double* beta = row_of(exchange.beta[d], x))
+          for (int i = 0; i < n; ++i) A[i] += beta[i];
+#pragma GCC ivdep
+        for (int i = 0; i < n; ++i) {
+          const double V = row.volume(i);
+          o[i] -= (c1 * e1[i] * now[i] + c2 * e2[i] * old[i]) * V;
+          next[i] = o[i] / (A[i] * V);
+        }
+      });
+}
+
+TWOGRID_VECTORISED void FluidSolver::predict_rows(const Step& step, const Interphase& exchange, double friction) {
+  if (boundaries_.component_solved(0)) predict_component<0>(step, exchange, friction);
+  if (boundaries_.component_solved(1)) predict_component<1>(step, exchange, friction);
+  if (boundaries_.component_solved(2)) predict_component<2>(step, exchange, friction);
 }
 
 void FluidSolver::predict(const Step& step, const Interphase& exchange) {
@@ -377,31 +475,13 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
   momentum_.convect(rho, flux_, eps_f_[0], u_tilde_, settings_.convection, rhs_);
   measure_inlet_head();
   if (mu > 0 && !implicit_viscosity_) momentum_.viscous(mu, eps_[0], u_tilde_, rhs_);
-  pressure_force(rhs_, exchange);
+  boundaries_.apply_pressure(p_, u_tilde_, rho);
 
   const bool gap = compiled::kGapFriction && settings_.gap_friction;
   double friction = 0;  // of the walls of a one-cell gap, 12 mu/W^2
   for (int d = 0; gap && d < 3; ++d)
     if (!boundaries_.component_solved(d)) friction = 12 * mu / (grid_.axis[d].length() * grid_.axis[d].length());
-  for (int d = 0; d < 3; ++d) {
-    if (!boundaries_.component_solved(d)) continue;
-    const double *now = u_[d].data(), *old = u_old_[d].data(), *e0 = eps_f_[0][d].data(), *e1 = eps_f_[1][d].data(),
-                 *e2 = eps_f_[2][d].data();
-    // Fields of the exchange cover own faces: their boxes are not those of the solver's own fields.
-    const FaceComponent<FineGrid>* source = exchange.source[d].size() ? &exchange.source[d] : nullptr;
-    const FaceComponent<FineGrid>* beta = exchange.beta[d].size() ? &exchange.beta[d] : nullptr;
-    double *o = rhs_[d].data(), *A = inertia_[d].data(), *next = u_next_[d].data();
-    const double c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt, c0 = rho * step.a0 / step.dt;
-    for_each(faces_[d], [&](int i, int j, int k) {
-      const std::ptrdiff_t m = p_.index(i, j, k);
-      const double V = momentum_.volume(d, i, j, k);
-      double force = -c1 * e1[m] * now[m] - (step.r > 0 ? c2 * e2[m] * old[m] : 0.0);
-      if (source) force += (*source)(i, j, k);
-      A[m] = c0 * e0[m] + (beta ? (*beta)(i, j, k) : 0.0) + friction * e0[m];
-      o[m] += force * V;
-      next[m] = o[m] / (A[m] * V);
-    });
-  }
+  predict_rows(step, exchange, friction);
   for (int d = 0; d < 3; ++d)
     if (!boundaries_.component_solved(d)) u_next_[d].fill(0);
   boundaries_.apply_normal(u_next_);
@@ -412,52 +492,74 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
   }
 }
 
+template <int d>
+inline void FluidSolver::conductance_component(const Interphase& exchange) {
+  const int n = faces_[d].size(0);
+  for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+    const RowMeasure<d> row(momentum_, x);
+    const double *e = eps_f_[0][d].data() + m, *A = inertia_[d].data() + m;
+    double* __restrict g = conductance_[d].data() + m;
+    for (int i = 0; i < n; ++i) g[i] = e[i] / A[i] * row.area(i) * row.inverse_width[i];
+    if (const double* chi = row_of(exchange.chi[d], x))
+      for (int i = 0; i < n; ++i) g[i] *= 1 - chi[i];
+  });
+}
+
+TWOGRID_VECTORISED void FluidSolver::conductance_rows(const Interphase& exchange) {
+  if (boundaries_.component_solved(0)) conductance_component<0>(exchange);
+  if (boundaries_.component_solved(1)) conductance_component<1>(exchange);
+  if (boundaries_.component_solved(2)) conductance_component<2>(exchange);
+}
+
+/// Conductance of faces: eps s/A times area over the distance of the centres; half of it at an outlet, none through
+/// prescribed faces.
+void FluidSolver::set_conductance(const Interphase& exchange) {
+  conductance_rows(exchange);
+  for (int side = 0; side < 6; ++side)
+    boundaries_.for_each_face(side, [&](int, int i, int j, int k) {
+      const int d = direction(side);
+      conductance_[d](i, j, k) *= boundaries_.state(d)(i, j, k) == FaceState::kFixed ? 0 : 2;
+    });
+}
+
+/// imbalance_: what is missing in continuity, sum of eps u* A + (d(eps)/dt - q) V, and its sum; dilation_; scale: the
+/// largest |eps u*|.
+TWOGRID_VECTORISED void FluidSolver::missing_continuity(const Step& step, double& scale, double& sum) {
+  const double b0 = step.a0 / step.dt, b1 = step.a1 / step.dt, b2 = step.a2 / step.dt;
+  const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
+  const int n = own_.size(0);
+  double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
+  std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
+  for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
+    const double* wx = &momentum_.axis(0).width_[q[0] - momentum_.axis(0).lo];
+    const double wy = momentum_.axis(1).width(q[1]), wz = momentum_.axis(2).width(q[2]);
+    const double *e0 = eps_[0].data() + m, *e1 = eps_[1].data() + m, *e2 = eps_[2].data() + m;
+    double* __restrict dil = dilation_.data() + m, * __restrict b = imbalance_.data() + m;
+    for (int i = 0; i < n; ++i) dil[i] = b0 * e0[i] + b1 * e1[i] + b2 * e2[i];
+    const double *ex = eps_f_[0][0].data() + m, *ey = eps_f_[0][1].data() + m, *ez = eps_f_[0][2].data() + m;
+    const double *ux = u_next_[0].data() + m, *uy = u_next_[1].data() + m, *uz = u_next_[2].data() + m;
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) {
+      const double x0 = ex[i] * ux[i], x1 = ex[i + 1] * ux[i + 1];
+      const double y0 = ey[i] * uy[i], y1 = ey[i + sy] * uy[i + sy];
+      const double z0 = ez[i] * uz[i], z1 = ez[i + sz] * uz[i + sz];
+      b[i] = (x1 - x0) * (wy * wz) + (y1 - y0) * (wz * wx[i]) + (z1 - z0) * (wx[i] * wy) + dil[i] * (wx[i] * wy * wz);
+      total[i] += b[i];
+      const double x = std::max(std::abs(x0), std::abs(x1)), y = std::max(std::abs(y0), std::abs(y1)),
+                   z = std::max(std::abs(z0), std::abs(z1));
+      most[i] = std::max(most[i], std::max(x, std::max(y, z)));
+    }
+  });
+  for (int i = 0; i < n; ++i) scale = std::max(scale, most[i]), sum += total[i];
+}
+
 void FluidSolver::project(const Step& step, const Interphase& exchange, FluidReport& report) {
   for (int d = 0; d < 3; ++d) face_halo_[d].bring<double>(u_next_[d]);
   boundaries_.apply_normal(u_next_);
 
-  // Conductance of faces: eps s/A times area over the distance of the centres (half of it at an outlet).
-  for (int d = 0; d < 3; ++d) {
-    const FaceComponent<FineGrid>* chi = exchange.chi[d].size() ? &exchange.chi[d] : nullptr;
-    const double *e = eps_f_[0][d].data(), *A = inertia_[d].data();
-    double* g = conductance_[d].data();
-    const auto& state = boundaries_.state(d);
-    const bool periodic = grid_.axis[d].periodic();
-    const int n = grid_.axis[d].n();
-    const bool solved = boundaries_.component_solved(d);
-    for_each(faces_[d], [&](int i, int j, int k) {
-      const std::ptrdiff_t m = p_.index(i, j, k);
-      const Int3 x{i, j, k};
-      if (!solved || state.data()[m] == FaceState::kFixed) {
-        g[m] = 0;
-        return;
-      }
-      const double w = momentum_.axis(d).face_width(x[d]);
-      const bool edge = !periodic && (x[d] == 0 || x[d] == n);
-      g[m] = e[m] * (chi ? 1 - (*chi)(i, j, k) : 1.0) / A[m] * grid_.area(d, i, j, k) / (edge ? 0.5 * w : w);
-    });
-  }
-  // What is missing in continuity: sum of eps u* A + d(eps)/dt V.
-  const double b0 = step.a0 / step.dt, b1 = step.a1 / step.dt, b2 = step.a2 / step.dt;
-  const double *e0 = eps_[0].data(), *e1 = eps_[1].data(), *e2 = eps_[2].data();
-  const std::array<std::ptrdiff_t, 3> s{p_.stride(0), p_.stride(1), p_.stride(2)};
-  double *dil = dilation_.data(), *b = imbalance_.data();
+  set_conductance(exchange);
   double scale = 0, sum = 0;
-  for_each(own_, [&](int i, int j, int k) {
-    const std::ptrdiff_t m = p_.index(i, j, k);
-    double change = b0 * e0[m] + b1 * e1[m] + (step.r > 0 ? b2 * e2[m] : 0.0);
-    dil[m] = change;
-    double flow = 0;
-    for (int d = 0; d < 3; ++d) {
-      const double A = grid_.area(d, i, j, k);
-      const double lo = eps_f_[0][d].data()[m] * u_next_[d].data()[m];
-      const double hi = eps_f_[0][d].data()[m + s[d]] * u_next_[d].data()[m + s[d]];
-      flow += (hi - lo) * A;
-      scale = std::max(scale, std::max(std::abs(lo), std::abs(hi)));
-    }
-    b[m] = flow + change * grid_.volume(i, j, k);
-    sum += b[m];
-  });
+  missing_continuity(step, scale, sum);
   double total_volume = 1;
   for (int d = 0; d < 3; ++d) total_volume *= grid_.axis[d].length();
   MPI_Allreduce(MPI_IN_PLACE, &scale, 1, MPI_DOUBLE, MPI_MAX, comm_);
@@ -478,29 +580,35 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
   // Not below what rounding leaves of the flows and of the differences of eps.
   const double rounding = 4e-16 * (6 * scale / h + step.a0 / step.dt);
   const double atol = std::max(pressure_solver_->rtol() * scale / h, rounding) * cell_volume * std::sqrt(cells);
-  phi_.fill(0);
+  // First guess: the pressure goes on changing as in the last step.
+  for (std::size_t m = 0; m < phi_.size(); ++m) phi_.data()[m] *= step.r;
   report.pressure_iterations += pressure_solver_->solve(imbalance_, phi_, atol);
+}
+
+/// u^{n+1} = u* - s/A grad phi, with s/A from the conductance: g = eps s/A area/distance.
+template <int d>
+inline void FluidSolver::correct_component() {
+  const std::ptrdiff_t s = p_.stride(d);
+  const int n = faces_[d].size(0);
+  for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+    const RowMeasure<d> row(momentum_, x);
+    const double *g = conductance_[d].data() + m, *e = eps_f_[0][d].data() + m, *f = phi_.data() + m;
+    double* __restrict u = u_next_[d].data() + m;
+    for (int i = 0; i < n; ++i) u[i] -= g[i] / (e[i] * row.area(i)) * (f[i] - f[i - s]);
+  });
+}
+
+TWOGRID_VECTORISED void FluidSolver::correct_rows() {
+  if (boundaries_.component_solved(0)) correct_component<0>();
+  if (boundaries_.component_solved(1)) correct_component<1>();
+  if (boundaries_.component_solved(2)) correct_component<2>();
 }
 
 void FluidSolver::correct() {
   fill(phi_);
+  // An outlet's conductance is that of half the distance: its ghost is zero at the face itself.
   boundaries_.apply_correction(phi_);
-  // u^{n+1} = u* - s/A grad phi, with s/A from the conductance: g = eps s/A area/distance.
-  for (int d = 0; d < 3; ++d) {
-    if (!boundaries_.component_solved(d)) continue;
-    const std::ptrdiff_t s = p_.stride(d);
-    const double *g = conductance_[d].data(), *e = eps_f_[0][d].data(), *f = phi_.data();
-    double* u = u_next_[d].data();
-    const bool periodic = grid_.axis[d].periodic();
-    const int n = grid_.axis[d].n();
-    for_each(faces_[d], [&](int i, int j, int k) {
-      const std::ptrdiff_t m = p_.index(i, j, k);
-      const Int3 x{i, j, k};
-      const bool edge = !periodic && (x[d] == 0 || x[d] == n);
-      // Ghosts are mirrored through zero at an outlet: half the difference belongs to half the distance.
-      u[m] -= g[m] / (e[m] * grid_.area(d, i, j, k)) * (f[m] - f[m - s]) * (edge ? 0.5 : 1.0);
-    });
-  }
+  correct_rows();
   fill(u_next_);
 }
 
@@ -568,44 +676,77 @@ void FluidSolver::hold_flow_rate(const Interphase& exchange) {
   }
 }
 
+template <int d>
+inline void FluidSolver::add_gradient(double share) {
+  const std::ptrdiff_t s = p_.stride(d);
+  const int n = faces_[d].size(0);
+  const double imposed = imposed_[d];
+  for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+    const RowMeasure<d> row(momentum_, x);
+    const double* p = p_.data() + m;
+    double* __restrict g = mean_grad_p_[d].data() + m;
+    for (int i = 0; i < n; ++i) g[i] += share * ((p[i] - p[i - s]) * row.inverse_width[i] + imposed);
+  });
+}
+
+/// flux_ of the new state, and the state's share in the interval's means.
+TWOGRID_VECTORISED void FluidSolver::add_to_means(double share) {
+  for (int d = 0; d < 3; ++d) {
+    const double *u = u_[d].data(), *e = eps_f_[0][d].data();
+    double* __restrict f = flux_[d].data(), * __restrict mean = mean_u_[d].data();
+    const std::size_t n = u_[d].size();
+    for (std::size_t m = 0; m < n; ++m) f[m] = e[m] * u[m], mean[m] += share * u[m];
+  }
+  if (boundaries_.component_solved(0)) add_gradient<0>(share);
+  if (boundaries_.component_solved(1)) add_gradient<1>(share);
+  if (boundaries_.component_solved(2)) add_gradient<2>(share);
+}
+
 void FluidSolver::accept(const Step& step, double interval) {
   for_each(own_, [&](int i, int j, int k) { p_(i, j, k) += phi_(i, j, k); });
   for (int d = 0; d < 3; ++d) u_old_[d].swap(u_[d]), u_[d].swap(u_next_[d]);
   fill(p_);
   boundaries_.apply_pressure(p_, u_tilde_, settings_.density);
-  const double share = step.dt / interval;
-  for (int d = 0; d < 3; ++d) {
-    const std::ptrdiff_t s = p_.stride(d);
-    const double *u = u_[d].data(), *e = eps_f_[0][d].data(), *p = p_.data();
-    double *f = flux_[d].data(), *mu = mean_u_[d].data(), *mg = mean_grad_p_[d].data();
-    for (std::size_t m = 0; m < u_[d].size(); ++m) f[m] = e[m] * u[m], mu[m] += share * u[m];
-    if (boundaries_.component_solved(d))
-      for_each(faces_[d], [&](int i, int j, int k) {
-        const std::ptrdiff_t m = p_.index(i, j, k);
-        const Int3 x{i, j, k};
-        mg[m] += share * ((p[m] - p[m - s]) / momentum_.axis(d).face_width(x[d]) + imposed_[d]);
-      });
-  }
+  add_to_means(step.dt / interval);
   time_ += step.dt;
   dt_previous_ = step.dt;
+}
+
+/// worst: largest |d(eps)/dt - q + div(eps u)| h; displaced: -integral of d(eps)/dt - q.
+TWOGRID_VECTORISED void FluidSolver::largest_imbalance(double& worst, double& displaced) const {
+  const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
+  const int n = own_.size(0);
+  double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
+  std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
+  // h = cbrt(wx wy wz) of a cell: the factor along x is applied once, at the end.
+  for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
+    const double* ix = &momentum_.axis(0).inverse_width_[q[0] - momentum_.axis(0).lo];
+    const double wy = momentum_.axis(1).width(q[1]), wz = momentum_.axis(2).width(q[2]);
+    const double iy = 1 / wy, iz = 1 / wz, area = wy * wz, h = std::cbrt(area);
+    const double *fx = flux_[0].data() + m, *fy = flux_[1].data() + m, *fz = flux_[2].data() + m;
+    const double* dil = dilation_.data() + m;
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) {
+      const double r = (fx[i + 1] - fx[i]) * ix[i] + (fy[i + sy] - fy[i]) * iy + (fz[i + sz] - fz[i]) * iz + dil[i];
+      most[i] = std::max(most[i], std::abs(r) * h);
+      total[i] += dil[i] * area;
+    }
+  });
+  for (int i = 0; i < n; ++i) {
+    const double w = momentum_.axis(0).width(own_.lo[0] + i);
+    worst = std::max(worst, most[i] * std::cbrt(w)), displaced -= total[i] * w;
+  }
 }
 
 void FluidSolver::measure(const Step& step, double share, FluidReport& report) {
   ++report.steps;
   report.dt = step.dt;
-  const std::array<std::ptrdiff_t, 3> s{p_.stride(0), p_.stride(1), p_.stride(2)};
   double worst = 0;
   std::array<double, 7> sum{0, 0, 0, 0, 0, 0, 0};  // inflow, outflow, displaced, p A and A at inlets, at outlets
-  for_each(own_, [&](int i, int j, int k) {
-    const std::ptrdiff_t m = p_.index(i, j, k);
-    double flow = 0;
-    for (int d = 0; d < 3; ++d) flow += (flux_[d].data()[m + s[d]] - flux_[d].data()[m]) * grid_.area(d, i, j, k);
-    const double V = grid_.volume(i, j, k);
-    worst = std::max(worst, std::abs(flow / V + dilation_.data()[m]) * std::cbrt(V));
-    sum[2] -= dilation_.data()[m] * V;
-  });
+  largest_imbalance(worst, sum[2]);
   sum[3] = inlet_head_;
-  for (int side = 0; side < 6; ++side)
+  for (int side = 0; side < 6; ++side) {
+    if (!has(side, BoundaryKind::kInlet) && !has(side, BoundaryKind::kPressure)) continue;  // nothing passes a wall
     boundaries_.for_each_face(side, [&](int, int i, int j, int k) {
       const int d = direction(side);
       const double A = grid_.area(d, i, j, k), flow = (is_high(side) ? -1 : 1) * flux_[d](i, j, k) * A;
@@ -620,6 +761,7 @@ void FluidSolver::measure(const Step& step, double share, FluidReport& report) {
         sum[5] += 0.5 * (p_(in[0], in[1], in[2]) + p_(out[0], out[1], out[2])) * A, sum[6] += A;
       }
     });
+  }
   MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, comm_);
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 7, MPI_DOUBLE, MPI_SUM, comm_);
   report.divergence_error = velocity_scale_ > 0 ? worst / velocity_scale_ : 0;

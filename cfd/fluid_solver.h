@@ -10,6 +10,7 @@
 //                           - s (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
 //                    (implicit viscosity: tau(u*) on the left, conjugate gradients)
 //   (3) project      div( eps s/A grad phi ) = div(eps u*) + d(eps)/dt - q,   d(eps)/dt by the same BDF2 formula
+//                    (first guess: r phi of the step before)
 //   (4) correct      u^{n+1} = u* - s/A grad phi,   p^{n+1} = p^n + phi
 //                    (- 4/3 mu (div(eps u*) + d(eps)/dt - q) when viscosity is implicit: the rotational form of
 //                    Guermond & Shen (2004), with s taken as 1, an error of second order in dt)
@@ -86,7 +87,7 @@ class FluidSolver : public Fluid {
     double time, dt_previous, velocity_scale;
     Vec3 imposed;
     FaceField<FineGrid> u, u_old, flux, mean_u, mean_grad_p;
-    CellField<FineGrid> p, dilation, response;
+    CellField<FineGrid> p, phi, dilation, response;
     std::array<CellField<FineGrid>, 3> eps;
     std::array<FaceField<FineGrid>, 3> eps_f;
   };
@@ -103,6 +104,7 @@ class FluidSolver : public Fluid {
   void replace(const CellField<FineGrid>& now);
   void extrapolate(const Step& step);
   void measure_inlet_head();
+  bool has(int side, BoundaryKind kind) const;
   void predict(const Step& step, const Interphase& exchange);
   void project(const Step& step, const Interphase& exchange, FluidReport& report);
   void correct();
@@ -110,7 +112,22 @@ class FluidSolver : public Fluid {
   void accept(const Step& step, double interval);
   void measure(const Step& step, double share, FluidReport& report);  // share: of the interval
   void rotate_pressure();
-  void pressure_force(FaceField<FineGrid>& rhs, const Interphase& exchange);
+  void predict_rows(const Step& step, const Interphase& exchange, double friction);
+  template <int d>
+  void predict_component(const Step& step, const Interphase& exchange, double friction);
+  void set_conductance(const Interphase& exchange);
+  void conductance_rows(const Interphase& exchange);
+  template <int d>
+  void conductance_component(const Interphase& exchange);
+  void missing_continuity(const Step& step, double& scale, double& sum);
+  void correct_rows();
+  template <int d>
+  void correct_component();
+  void add_to_means(double share);
+  template <int d>
+  void add_gradient(double share);
+  void largest_imbalance(double& worst, double& displaced) const;
+  void courant_rows(const FaceField<FineGrid>& u, double& rate, double& finite) const;
   double courant_rate(const FaceField<FineGrid>& u) const;
   void fill(FaceField<FineGrid>& u, bool ghosts = true) const;
   void fill(CellField<FineGrid>& c) const;
@@ -143,8 +160,9 @@ class FluidSolver : public Fluid {
   CellField<FineGrid> phi_, dilation_, imbalance_;
   CellField<FineGrid> response_, response_rhs_;  // potential answering a unit mean gradient (flow-rate control)
   FaceField<FineGrid> mean_u_, mean_grad_p_;
-  double velocity_scale_ = 0;  // largest |eps u| (m/s)
-  double inlet_head_ = 0;      // own inlet faces: momentum flux through the first cells' centres less that entering, N
+  double velocity_scale_ = 0;                  // largest |eps u| (m/s)
+  mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row
+  double inlet_head_ = 0;  // own inlet faces: momentum flux through the first cells' centres less that entering, N
   bool implicit_viscosity_ = false;
 };
 

@@ -1,31 +1,28 @@
 #include "momentum.h"
 
 #include <cmath>
+#include <utility>
+
+#include "vectorised.h"
 
 namespace twogrid {
 
 namespace {
 
-/// Value transported through a side, from those below (v[lower]) and above it (v[lower + s]) and one more each way.
-/// up, down: distances from the side to the values below and above; dist_*: those between neighbouring values.
-inline double transported(const double* v, std::ptrdiff_t lower, std::ptrdiff_t s, double flow, bool limited, double up,
-                          double down, double dist_below, double dist, double dist_above) {
-  if (!limited) return v[lower] + (v[lower + s] - v[lower]) * (up / dist);
-  const double slope = (v[lower + s] - v[lower]) / dist;
-  if (flow >= 0) {
-    const double behind = (v[lower] - v[lower - s]) / dist_below, p = slope * behind;
-    return v[lower] + (p > 0 ? up * 2 * p / (slope + behind) : 0.0);
-  }
-  const double behind = (v[lower + 2 * s] - v[lower + s]) / dist_above, p = slope * behind;
-  return v[lower + s] - (p > 0 ? down * 2 * p / (slope + behind) : 0.0);
+/// Change of a value on the way to a side, half of twice the harmonic mean of the slopes on both sides of it; zero at
+/// an extremum (van Leer 1974).
+inline double limited_change(double distance, double slope, double behind) {
+  const double p = slope * behind;
+  const bool rises = p > 0;
+  return distance * 2 * (rises ? p : 0.0) / (rises ? slope + behind : 1.0);
 }
 
 /// The part of a velocity's change between two neighbouring faces that a void fraction explains which changes while
 /// the flux F does not, F (1/e_hi - 1/e_lo): of the same sign as the whole change and no larger.
 inline double explained(double change, double F, double e_lo, double e_hi) {
   const double by_eps = F * (e_lo - e_hi) / (e_lo * e_hi);
-  if (!(change * by_eps > 0)) return 0;
-  return std::abs(by_eps) < std::abs(change) ? by_eps : change;
+  const double smaller = std::abs(by_eps) < std::abs(change) ? by_eps : change;
+  return change * by_eps > 0 ? smaller : 0.0;
 }
 
 /// Velocity transported along itself through a cell's centre, from the faces below (v[lower]) and above it, limited.
@@ -33,27 +30,27 @@ inline double explained(double change, double F, double e_lo, double e_hi) {
 /// eps u is uniform the sum of u_f (u_c - u_c below) = (u_f^2)/2 then telescopes, so that eps grad p balances at any
 /// jump of eps with no loss of head; a limited value would lose up to (jump of u)^2/2 there, on any grid. A uniform u
 /// is kept whatever eps does, and the value lies between those of the two faces.
+/// inverse_*: of the distances between the faces below, around and above.
 inline double transported_along(const double* v, const double* F, const double* e, std::ptrdiff_t lower,
-                                std::ptrdiff_t s, double flow, double dist_below, double dist, double dist_above) {
-  auto change = [&](std::ptrdiff_t at, double& by_eps) {
-    const double all = v[at + s] - v[at];
-    by_eps = explained(all, 0.5 * (F[at] + F[at + s]), e[at], e[at + s]);
-    return all - by_eps;
-  };
-  double by_eps, by_eps_behind;
-  const double slope = change(lower, by_eps) / dist;
-  const bool up = flow >= 0;
-  const double behind =
-      up ? change(lower - s, by_eps_behind) / dist_below : change(lower + s, by_eps_behind) / dist_above;
-  const double p = slope * behind;
-  const double half = 0.5 * (by_eps + (p > 0 ? dist * 2 * p / (slope + behind) : 0.0));
-  return up ? v[lower] + half : v[lower + s] - half;
+                                std::ptrdiff_t s, bool up, double inverse_below, double dist, double inverse,
+                                double inverse_above) {
+  const std::ptrdiff_t below = lower - s, upper = lower + s, above = upper + s;
+  const double change = v[upper] - v[lower];
+  const double by_eps = explained(change, 0.5 * (F[lower] + F[upper]), e[lower], e[upper]);
+  const double b0 = up ? v[below] : v[upper], b1 = up ? v[lower] : v[above];
+  const double F0 = up ? F[below] : F[upper], F1 = up ? F[lower] : F[above];
+  const double e0 = up ? e[below] : e[upper], e1 = up ? e[lower] : e[above];
+  const double behind = b1 - b0 - explained(b1 - b0, 0.5 * (F0 + F1), e0, e1);
+  const double half =
+      0.5 * (by_eps + limited_change(dist, (change - by_eps) * inverse, behind * (up ? inverse_below : inverse_above)));
+  return up ? v[lower] + half : v[upper] - half;
 }
 
 }  // namespace
 
-Momentum::Momentum(const FineGrid& grid, const Box& own, const Box& local, const std::array<Box, 3>& faces)
-    : own_(own), local_(local), faces_(faces), periodic_(grid.periodic()), n_(grid.n()) {
+Momentum::Momentum(const FineGrid& grid, const Box& own, const Box& local, const std::array<Box, 3>& faces,
+                   const std::array<bool, 3>& solved)
+    : own_(own), local_(local), faces_(faces), solved_(solved), periodic_(grid.periodic()), n_(grid.n()) {
   for (int d = 0; d < 3; ++d) {
     AxisMeasure& m = axis_[d];
     const Axis& a = grid.axis[d];
@@ -61,117 +58,181 @@ Momentum::Momentum(const FineGrid& grid, const Box& own, const Box& local, const
     for (int i = local.lo[d]; i < local.hi[d]; ++i) {
       m.width_.push_back(a.width(i));
       m.face_width_.push_back(a.face_width(i));
+      m.inverse_width_.push_back(1 / a.width(i));
+      m.inverse_face_width_.push_back(1 / a.face_width(i));
+      m.above_share_.push_back(a.width(i) / (a.width(i - 1) + a.width(i)));
       const bool below_in = a.periodic() || i - 1 >= 0, above_in = a.periodic() || i < a.n();
       m.half_below_.push_back(below_in ? 0.5 * a.width(i - 1) : 0.0);
       m.half_above_.push_back(above_in ? 0.5 * a.width(i) : 0.0);
     }
+    normal_[d].reset(local);
+    shear_[d].reset(local);
   }
-  flux_.reset(local);
-  for (int d = 0; d < 3; ++d) normal_[d].reset(local), shear_[d].reset(local);
+  const std::size_t row = local.size(0);
+  side_[0].resize(row), side_[1].resize(2 * row), side_[2].resize(2 * row * local.size(1));
 }
+
+namespace {
+
+/// f = the mean of two neighbouring cells with the given share of the upper one.
+template <bool varies>
+inline void mean_row(const double* e, std::ptrdiff_t s, AlongRow<varies> share, int n, double* f) {
+  for (int i = 0; i < n; ++i) f[i] = e[i - s] + share[i] * (e[i] - e[i - s]);
+}
+
+TWOGRID_VECTORISED void mean_rows(const Array3<double>& eps, int c, const Box& b, const double* share,
+                                  Array3<double>& out) {
+  for (int k = b.lo[2]; k < b.hi[2]; ++k)
+    for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+      const std::ptrdiff_t m = eps.index(b.lo[0], j, k), s = eps.stride(c);
+      const double* e = eps.data() + m;
+      double* f = out.data() + m;
+      if (c == 0)
+        mean_row(e, s, AlongRow<true>{share}, b.size(0), f);
+      else
+        mean_row(e, s, AlongRow<false>{share + (c == 1 ? j - b.lo[1] : k - b.lo[2])}, b.size(0), f);
+    }
+}
+
+}  // namespace
 
 void Momentum::face_mean(const CellField<FineGrid>& eps, FaceField<FineGrid>& eps_f) const {
   if (own_.empty()) return;
   for (int c = 0; c < 3; ++c) {
-    const std::ptrdiff_t s = eps.stride(c);
-    const AxisMeasure& a = axis_[c];
     Box b = local_;
     ++b.lo[c];
-    const double* e = eps.data();
-    double* f = eps_f[c].data();
-    for (int k = b.lo[2]; k < b.hi[2]; ++k)
-      for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-        std::ptrdiff_t m = eps.index(b.lo[0], j, k);
-        for (int i = b.lo[0]; i < b.hi[0]; ++i, ++m) {
-          const int q = c == 0 ? i : c == 1 ? j : k;
-          const double wl = a.width(q - 1), wr = a.width(q);
-          f[m] = (e[m - s] * wl + e[m] * wr) / (wl + wr);
-        }
-      }
+    mean_rows(eps, c, b, &axis_[c].above_share_[1], eps_f[c]);
   }
 }
 
-template <int c, int d>
-void Momentum::convect_part(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& eps_f,
-                            const FaceComponent<FineGrid>& u, bool limited, FaceComponent<FineGrid>& out) {
+struct Momentum::Convected {
+  double rho;
+  const FaceField<FineGrid>&F, &eps_f, &u;
+};
+
+/// q = mass flux times velocity through the low side in d of the volumes (i.., j, k) of component c.
+template <int c, int d, bool limited>
+inline void Momentum::side_row(const Convected& a, int i, int j, int k, int count, double* __restrict q) const {
   constexpr int e = c == d ? (c + 1) % 3 : 3 - c - d, f = (c + 2) % 3;  // transverse directions
-  const std::ptrdiff_t sc = u.stride(c), sd = u.stride(d);
-  const AxisMeasure &ac = axis_[c], &ad = axis_[d], &ae = axis_[e];
-  const double* v = u.data();
-  double* q = flux_.data();
-  const double *Fd = F[d].data(), *eps = eps_f[d].data();
-  // Where the flux stands: c == d: centre of cell m, between faces m and m+1; else: edge between volumes m-1 and m in
-  // d.
-  Box b = faces_[c];
-  if (c == d)
-    --b.lo[d];
-  else
-    ++b.hi[d];
-  const bool bounded = !periodic_[d];
-  const int last = n_[d];
-  for (int k = b.lo[2]; k < b.hi[2]; ++k)
+  const Int3 x{i, j, k};
+  const std::ptrdiff_t m = a.u[c].index(i, j, k), sc = a.u[c].stride(c), s = a.u[c].stride(d);
+  const AxisMeasure &ac = axis_[c], &ad = axis_[d], &ae = axis_[e], &af = axis_[f];
+  const double *v = a.u[c].data() + m, *F = a.F[d].data() + m, *eps = a.eps_f[d].data() + m;
+  const double rho = a.rho;
+  const auto we = along_row<e>(ae.width_, x[e] - ae.lo);
+  // Sides on, or beyond, the domain's.
+  const int first = 0, last = c == d ? n_[d] + 1 : n_[d];
+  auto outermost = [&](int t, bool high) {
+    if (c == d) {
+      // The outer side of an outlet's half volume is the outlet's face itself.
+      const std::ptrdiff_t face = high ? t - s : t;
+      q[t] = rho * (F[face] * we[t] * along_row<f>(af.width_, x[f] - af.lo)[t]) * v[face];
+    } else {
+      const double flow = F[t - sc] * along_row<c>(ac.half_below_, x[c] - ac.lo)[t] +
+                          F[t] * along_row<c>(ac.half_above_, x[c] - ac.lo)[t];
+      q[t] = rho * (flow * we[t]) * (0.5 * (v[t - s] + v[t]));  // the side's own value
+    }
+  };
+  int begin = 0, end = count;
+  if (!periodic_[d]) {
+    if (d != 0 && (x[d] == first || x[d] == last)) {
+      for (int t = 0; t < count; ++t) outermost(t, x[d] == last);
+      return;
+    }
+    if (d == 0 && i == first) outermost(0, false), begin = 1;
+    if (d == 0 && i + count - 1 == last) outermost(count - 1, true), end = count - 1;
+  }
+  if constexpr (c == d) {
+    const int o = x[c] - 1 - ac.lo;  // the cell between the two faces
+    const auto wf = along_row<f>(af.width_, x[f] - af.lo), dist = along_row<c>(ac.width_, o);
+    const auto below = along_row<c>(ac.inverse_width_, o - 1), inverse = along_row<c>(ac.inverse_width_, o),
+               above = along_row<c>(ac.inverse_width_, o + 1);
+    for (int t = begin; t < end; ++t) {
+      const double flow = 0.5 * (F[t - s] + F[t]) * we[t] * wf[t];
+      double value;
+      if constexpr (limited)
+        value = transported_along(v, F, eps, t - s, s, flow >= 0, below[t], dist[t], inverse[t], above[t]);
+      else
+        value = v[t - s] + (v[t] - v[t - s]) * (0.5 * dist[t] * inverse[t]);
+      q[t] = rho * flow * value;
+    }
+  } else {
+    const int o = x[d] - ad.lo;
+    const auto hb = along_row<c>(ac.half_below_, x[c] - ac.lo), ha = along_row<c>(ac.half_above_, x[c] - ac.lo);
+    const auto below = along_row<d>(ad.inverse_face_width_, o - 1), inverse = along_row<d>(ad.inverse_face_width_, o),
+               above = along_row<d>(ad.inverse_face_width_, o + 1);
+    const auto w_lower = along_row<d>(ad.width_, o - 1), w_upper = along_row<d>(ad.width_, o);
+    for (int t = begin; t < end; ++t) {
+      const double flow = (F[t - sc] * hb[t] + F[t] * ha[t]) * we[t];
+      const double slope = (v[t] - v[t - s]) * inverse[t];
+      double value;
+      if constexpr (limited) {
+        const bool up = flow >= 0;
+        const double behind = ((up ? v[t - s] : v[t + s]) - (up ? v[t - 2 * s] : v[t])) * (up ? below[t] : above[t]);
+        const double change = limited_change(0.5 * (up ? w_lower[t] : w_upper[t]), slope, behind);
+        value = up ? v[t - s] + change : v[t] - change;
+      } else {
+        value = v[t - s] + slope * (0.5 * w_lower[t]);
+      }
+      q[t] = rho * flow * value;
+    }
+  }
+}
+
+template <int c, bool limited>
+inline void Momentum::convect_component(const Convected& a, Array3<double>& out) {
+  const Box& b = faces_[c];
+  const int n = b.size(0), row = local_.size(0);
+  const std::size_t slab = std::size_t(row) * local_.size(1);
+  double* x_side = side_[0].data();
+  double *y_low = side_[1].data(), *y_high = y_low + row;
+  double *z_low = side_[2].data(), *z_high = z_low + slab;
+  auto z_row = [&](double* z, int j) { return z + std::size_t(row) * (j - b.lo[1]); };
+  if (solved_[2])
+    for (int j = b.lo[1]; j < b.hi[1]; ++j) side_row<c, 2, limited>(a, b.lo[0], j, b.lo[2], n, z_row(z_low, j));
+  for (int k = b.lo[2]; k < b.hi[2]; ++k) {
+    if (solved_[1]) side_row<c, 1, limited>(a, b.lo[0], b.lo[1], k, n, y_low);
     for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-      std::ptrdiff_t m = u.index(b.lo[0], j, k);
-      for (int i = b.lo[0]; i < b.hi[0]; ++i, ++m) {
-        const Int3 x{i, j, k};
-        double flow;           // m3/s through this side
-        std::ptrdiff_t lower;  // index of the value below the side; the one above is lower + sd
-        double dist, to_side_up, to_side_down, dist_below, dist_above;
-        if (c == d) {
-          flow = 0.5 * (Fd[m] + Fd[m + sc]) * ae.width(x[e]) * axis_[f].width(x[f]);
-          lower = m;
-          dist = ac.width(x[c]);
-          to_side_up = to_side_down = 0.5 * dist;
-          dist_below = x[c] - 1 >= local_.lo[c] ? ac.width(x[c] - 1) : dist;
-          dist_above = x[c] + 1 < local_.hi[c] ? ac.width(x[c] + 1) : dist;
-        } else {
-          flow = (Fd[m - sc] * ac.half_below(x[c]) + Fd[m] * ac.half_above(x[c])) * ae.width(x[e]);
-          lower = m - sd;
-          dist = ad.face_width(x[d]);
-          to_side_up = 0.5 * ad.width(x[d] - 1);
-          to_side_down = 0.5 * ad.width(x[d]);
-          dist_below = ad.face_width(x[d] - 1);
-          dist_above = x[d] + 1 < local_.hi[d] ? ad.face_width(x[d] + 1) : dist;
-        }
-        double value;
-        if (bounded && c != d && (x[d] == 0 || x[d] == last)) {
-          value = 0.5 * (v[lower] + v[lower + sd]);  // the side's own value
-        } else if (bounded && c == d && (x[d] < 0 || x[d] == last)) {
-          // The outer side of an outlet's half volume is the outlet's face itself.
-          const std::ptrdiff_t face = x[d] < 0 ? m + sc : m;
-          flow = Fd[face] * ae.width(x[e]) * axis_[f].width(x[f]);
-          value = v[face];
-        } else if (c == d && limited) {
-          value = transported_along(v, Fd, eps, lower, sd, flow, dist_below, dist, dist_above);
-        } else {
-          value = transported(v, lower, sd, flow, limited, to_side_up, to_side_down, dist_below, dist, dist_above);
-        }
-        q[m] = rho * flow * value;
+      double* o = out.data() + out.index(b.lo[0], j, k);
+      if (solved_[0]) {
+        side_row<c, 0, limited>(a, b.lo[0], j, k, n + 1, x_side);
+        for (int i = 0; i < n; ++i) o[i] -= x_side[i + 1] - x_side[i];
+      }
+      if (solved_[1]) {
+        side_row<c, 1, limited>(a, b.lo[0], j + 1, k, n, y_high);
+        for (int i = 0; i < n; ++i) o[i] -= y_high[i] - y_low[i];
+        std::swap(y_low, y_high);
+      }
+      if (solved_[2]) {
+        double *low = z_row(z_low, j), *high = z_row(z_high, j);
+        side_row<c, 2, limited>(a, b.lo[0], j, k + 1, n, high);
+        for (int i = 0; i < n; ++i) o[i] -= high[i] - low[i];
       }
     }
-  const Box& own = faces_[c];
-  double* o = out.data();
-  const std::ptrdiff_t below = c == d ? -sc : 0, above = c == d ? 0 : sd;
-  for (int k = own.lo[2]; k < own.hi[2]; ++k)
-    for (int j = own.lo[1]; j < own.hi[1]; ++j) {
-      std::ptrdiff_t m = u.index(own.lo[0], j, k);
-      for (int i = own.lo[0]; i < own.hi[0]; ++i, ++m) o[m] -= q[m + above] - q[m + below];
-    }
+    std::swap(z_low, z_high);
+  }
 }
 
 void Momentum::convect(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& eps_f,
                        const FaceField<FineGrid>& u, Convection scheme, FaceField<FineGrid>& out) {
   if (scheme == Convection::kNone || own_.empty()) return;
-  const bool limited = scheme == Convection::kVanLeer;
-  convect_part<0, 0>(rho, F, eps_f, u[0], limited, out[0]);
-  convect_part<0, 1>(rho, F, eps_f, u[0], limited, out[0]);
-  convect_part<0, 2>(rho, F, eps_f, u[0], limited, out[0]);
-  convect_part<1, 0>(rho, F, eps_f, u[1], limited, out[1]);
-  convect_part<1, 1>(rho, F, eps_f, u[1], limited, out[1]);
-  convect_part<1, 2>(rho, F, eps_f, u[1], limited, out[1]);
-  convect_part<2, 0>(rho, F, eps_f, u[2], limited, out[2]);
-  convect_part<2, 1>(rho, F, eps_f, u[2], limited, out[2]);
-  convect_part<2, 2>(rho, F, eps_f, u[2], limited, out[2]);
+  const Convected a{rho, F, eps_f, u};
+  if (scheme == Convection::kVanLeer)
+    convect_limited(a, out);
+  else
+    convect_central(a, out);
+}
+
+TWOGRID_VECTORISED void Momentum::convect_limited(const Convected& a, FaceField<FineGrid>& out) {
+  if (solved_[0]) convect_component<0, true>(a, out[0]);
+  if (solved_[1]) convect_component<1, true>(a, out[1]);
+  if (solved_[2]) convect_component<2, true>(a, out[2]);
+}
+
+TWOGRID_VECTORISED void Momentum::convect_central(const Convected& a, FaceField<FineGrid>& out) {
+  if (solved_[0]) convect_component<0, false>(a, out[0]);
+  if (solved_[1]) convect_component<1, false>(a, out[1]);
+  if (solved_[2]) convect_component<2, false>(a, out[2]);
 }
 
 double Momentum::convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& F,
@@ -183,75 +244,100 @@ double Momentum::convected_through(int c, int i, int j, int k, double rho, const
   const AxisMeasure& a = axis_[c];
   const double flow = 0.5 * (F[c].data()[m] + F[c].data()[m + s]) * axis_[(c + 1) % 3].width(x[(c + 1) % 3]) *
                       axis_[(c + 2) % 3].width(x[(c + 2) % 3]);
-  const double w = a.width(x[c]), below = a.width(x[c] - 1), above = a.width(x[c] + 1);
   const double* v = u[c].data();
   if (scheme == Convection::kVanLeer)
-    return rho * flow * transported_along(v, F[c].data(), eps_f[c].data(), m, s, flow, below, w, above);
-  return rho * flow * transported(v, m, s, flow, false, 0.5 * w, 0.5 * w, below, w, above);
+    return rho * flow *
+           transported_along(v, F[c].data(), eps_f[c].data(), m, s, flow >= 0, 1 / a.width(x[c] - 1), a.width(x[c]),
+                             1 / a.width(x[c]), 1 / a.width(x[c] + 1));
+  return rho * flow * 0.5 * (v[m] + v[m + s]);
 }
 
-void Momentum::viscous(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
-                       FaceField<FineGrid>& out) {
+/// Normal stresses in own cells and one more around.
+TWOGRID_VECTORISED void Momentum::normal_stresses(double mu, const CellField<FineGrid>& eps,
+                                                  const FaceField<FineGrid>& u) {
+  const Box b = own_.grown(1);
+  const int n = b.size(0);
+  const std::ptrdiff_t sy = eps.stride(1), sz = eps.stride(2);
+  const double* ix = &axis_[0].inverse_width_[b.lo[0] - axis_[0].lo];
+  for (int k = b.lo[2]; k < b.hi[2]; ++k)
+    for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+      const std::ptrdiff_t m = eps.index(b.lo[0], j, k);
+      const double iy = axis_[1].inverse_width_[j - axis_[1].lo], iz = axis_[2].inverse_width_[k - axis_[2].lo];
+      const double *e = eps.data() + m, *ux = u[0].data() + m, *uy = u[1].data() + m, *uz = u[2].data() + m;
+      double *__restrict nx = normal_[0].data() + m, *__restrict ny = normal_[1].data() + m,
+                         *__restrict nz = normal_[2].data() + m;
+#pragma GCC ivdep
+      for (int i = 0; i < n; ++i) {
+        const double x = (ux[i + 1] - ux[i]) * ix[i], y = (uy[i + sy] - uy[i]) * iy, z = (uz[i + sz] - uz[i]) * iz;
+        const double third = (x + y + z) * (1.0 / 3), g = 2 * mu * e[i];
+        nx[i] = g * (x - third);
+        ny[i] = g * (y - third);
+        nz[i] = g * (z - third);
+      }
+    }
+}
+
+/// Shear stresses of the two directions other than t on edges; edge m is the low corner of cell m in both.
+template <int t>
+inline void Momentum::shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u) {
+  constexpr int a = (t + 1) % 3, b = (t + 2) % 3;
+  const AxisMeasure &aa = axis_[a], &ab = axis_[b];
+  Box r = own_;
+  for (int d = 0; d < 3; ++d) ++r.hi[d];
+  const int n = r.size(0);
+  const std::ptrdiff_t sa = eps.stride(a), sb = eps.stride(b);
+  for (int k = r.lo[2]; k < r.hi[2]; ++k)
+    for (int j = r.lo[1]; j < r.hi[1]; ++j) {
+      const std::ptrdiff_t m = eps.index(r.lo[0], j, k);
+      const Int3 x{r.lo[0], j, k};
+      const auto ha = along_row<a>(aa.above_share_, x[a] - aa.lo), hb = along_row<b>(ab.above_share_, x[b] - ab.lo);
+      const auto ia = along_row<a>(aa.inverse_face_width_, x[a] - aa.lo),
+                 ib = along_row<b>(ab.inverse_face_width_, x[b] - ab.lo);
+      const double *e = eps.data() + m, *ua = u[a].data() + m, *ub = u[b].data() + m;
+      double* __restrict q = shear_[t].data() + m;
+      for (int i = 0; i < n; ++i) {
+        const double high = e[i - sa] + ha[i] * (e[i] - e[i - sa]);
+        const double low = e[i - sa - sb] + ha[i] * (e[i - sb] - e[i - sa - sb]);
+        q[i] = mu * (low + hb[i] * (high - low)) * ((ua[i] - ua[i - sb]) * ib[i] + (ub[i] - ub[i - sa]) * ia[i]);
+      }
+    }
+}
+
+/// out += the stresses' force on the volumes of component c.
+template <int c>
+inline void Momentum::add_stress(Array3<double>& out) const {
+  constexpr int a = (c + 1) % 3, b = (c + 2) % 3;  // shear_ of (c,a) is t = b; of (c,b) is t = a
+  const Box& r = faces_[c];
+  const int n = r.size(0);
+  const std::ptrdiff_t sc = out.stride(c), sa = out.stride(a), sb = out.stride(b);
+  for (int k = r.lo[2]; k < r.hi[2]; ++k)
+    for (int j = r.lo[1]; j < r.hi[1]; ++j) {
+      const std::ptrdiff_t m = out.index(r.lo[0], j, k);
+      const Int3 x{r.lo[0], j, k};
+      const auto wa = along_row<a>(axis_[a].width_, x[a] - axis_[a].lo),
+                 wb = along_row<b>(axis_[b].width_, x[b] - axis_[b].lo);
+      const auto below = along_row<c>(axis_[c].half_below_, x[c] - axis_[c].lo),
+                 above = along_row<c>(axis_[c].half_above_, x[c] - axis_[c].lo);
+      const double *nn = normal_[c].data() + m, *ca = shear_[b].data() + m, *cb = shear_[a].data() + m;
+      double* __restrict o = out.data() + m;
+      for (int i = 0; i < n; ++i) {
+        const double sides = (ca[i + sa] - ca[i]) * wb[i] + (cb[i + sb] - cb[i]) * wa[i];
+        o[i] += (nn[i] - nn[i - sc]) * wa[i] * wb[i] + sides * (below[i] + above[i]);
+      }
+    }
+}
+
+TWOGRID_VECTORISED void Momentum::viscous(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
+                                          FaceField<FineGrid>& out) {
   if (own_.empty()) return;
-  const double* e = eps.data();
-  const std::array<std::ptrdiff_t, 3> s{eps.stride(0), eps.stride(1), eps.stride(2)};
-  // Normal stresses in cells.
-  {
-    Box b = own_;
-    for (int d = 0; d < 3; ++d) --b.lo[d], ++b.hi[d];
-    for (int k = b.lo[2]; k < b.hi[2]; ++k)
-      for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-        std::ptrdiff_t m = eps.index(b.lo[0], j, k);
-        for (int i = b.lo[0]; i < b.hi[0]; ++i, ++m) {
-          const double ux = (u[0].data()[m + s[0]] - u[0].data()[m]) / axis_[0].width(i);
-          const double vy = (u[1].data()[m + s[1]] - u[1].data()[m]) / axis_[1].width(j);
-          const double wz = (u[2].data()[m + s[2]] - u[2].data()[m]) / axis_[2].width(k);
-          const double third = (ux + vy + wz) / 3, g = 2 * mu * e[m];
-          normal_[0].data()[m] = g * (ux - third);
-          normal_[1].data()[m] = g * (vy - third);
-          normal_[2].data()[m] = g * (wz - third);
-        }
-      }
-  }
-  // Shear stresses on edges; edge m of directions (a,b) is the low corner of cell m in both.
-  for (int t = 0; t < 3; ++t) {
-    const int a = (t + 1) % 3, b = (t + 2) % 3;
-    Box r = own_;
-    for (int d = 0; d < 3; ++d) ++r.hi[d];
-    const double *ua = u[a].data(), *ub = u[b].data();
-    double* q = shear_[t].data();
-    for (int k = r.lo[2]; k < r.hi[2]; ++k)
-      for (int j = r.lo[1]; j < r.hi[1]; ++j) {
-        std::ptrdiff_t m = eps.index(r.lo[0], j, k);
-        for (int i = r.lo[0]; i < r.hi[0]; ++i, ++m) {
-          const Int3 x{i, j, k};
-          const double al = axis_[a].width(x[a] - 1), ar = axis_[a].width(x[a]);
-          const double bl = axis_[b].width(x[b] - 1), br = axis_[b].width(x[b]);
-          const double mean =
-              (e[m] * ar * br + e[m - s[a]] * al * br + e[m - s[b]] * ar * bl + e[m - s[a] - s[b]] * al * bl) /
-              ((al + ar) * (bl + br));
-          q[m] =
-              mu * mean *
-              ((ua[m] - ua[m - s[b]]) / axis_[b].face_width(x[b]) + (ub[m] - ub[m - s[a]]) / axis_[a].face_width(x[a]));
-        }
-      }
-  }
-  for (int c = 0; c < 3; ++c) {
-    const int a = (c + 1) % 3, b = (c + 2) % 3;  // shear_ of (c,a) is t = b; of (c,b) is t = a
-    const double *nn = normal_[c].data(), *ca = shear_[b].data(), *cb = shear_[a].data();
-    double* o = out[c].data();
-    const Box& own = faces_[c];
-    for (int k = own.lo[2]; k < own.hi[2]; ++k)
-      for (int j = own.lo[1]; j < own.hi[1]; ++j) {
-        std::ptrdiff_t m = eps.index(own.lo[0], j, k);
-        for (int i = own.lo[0]; i < own.hi[0]; ++i, ++m) {
-          const Int3 x{i, j, k};
-          const double wa = axis_[a].width(x[a]), wb = axis_[b].width(x[b]);
-          const double wc = axis_[c].half_below(x[c]) + axis_[c].half_above(x[c]);
-          o[m] += (nn[m] - nn[m - s[c]]) * wa * wb + ((ca[m + s[a]] - ca[m]) * wb + (cb[m + s[b]] - cb[m]) * wa) * wc;
-        }
-      }
-  }
+  normal_stresses(mu, eps, u);
+  // Where a direction is left out there is no shear with it: shear_ stays zero.
+  if (solved_[1] && solved_[2]) shear_stress<0>(mu, eps, u);
+  if (solved_[2] && solved_[0]) shear_stress<1>(mu, eps, u);
+  if (solved_[0] && solved_[1]) shear_stress<2>(mu, eps, u);
+  if (solved_[0]) add_stress<0>(out[0]);
+  if (solved_[1]) add_stress<1>(out[1]);
+  if (solved_[2]) add_stress<2>(out[2]);
 }
 
 void Momentum::viscous_diagonal(double mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const {

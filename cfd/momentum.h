@@ -15,6 +15,8 @@ namespace twogrid {
 struct AxisMeasure {
   int lo = 0;
   std::vector<double> width_, face_width_, half_below_, half_above_;
+  std::vector<double> inverse_width_, inverse_face_width_;        // 1/m
+  std::vector<double> above_share_;                               // of cell i in the mean of cells i-1 and i
   double width(int i) const { return width_[i - lo]; }            ///< of cell i, m
   double face_width(int i) const { return face_width_[i - lo]; }  ///< between centres of cells i-1 and i, m
   double half_below(int i) const { return half_below_[i - lo]; }  ///< part of face i's volume in cell i-1 (0 outside)
@@ -23,8 +25,10 @@ struct AxisMeasure {
 
 class Momentum {
  public:
-  /// own: the rank's cells; local: own cells and halo. faces[d]: the rank's own faces.
-  Momentum(const FineGrid& grid, const Box& own, const Box& local, const std::array<Box, 3>& faces);
+  /// own: the rank's cells; local: own cells and halo. faces[d]: the rank's own faces. solved[d]: false where u[d] is
+  /// zero and nothing varies along d (one cell between slip walls): that component and direction are left out.
+  Momentum(const FineGrid& grid, const Box& own, const Box& local, const std::array<Box, 3>& faces,
+           const std::array<bool, 3>& solved);
 
   /// eps on faces: volume-weighted arithmetic mean of the two cells, so that sums over cells and faces agree.
   void face_mean(const CellField<FineGrid>& eps, FaceField<FineGrid>& eps_f) const;
@@ -49,18 +53,28 @@ class Momentum {
   const AxisMeasure& axis(int d) const { return axis_[d]; }
 
  private:
-  template <int c, int d>
-  void convect_part(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& eps_f,
-                    const FaceComponent<FineGrid>& u, bool limited, FaceComponent<FineGrid>& out);
+  struct Convected;  // what is convected, and by what
+  template <int c, int d, bool limited>
+  void side_row(const Convected& a, int i, int j, int k, int count, double* q) const;
+  template <int c, bool limited>
+  void convect_component(const Convected& a, Array3<double>& out);
+  void convect_limited(const Convected& a, FaceField<FineGrid>& out);
+  void convect_central(const Convected& a, FaceField<FineGrid>& out);
+  void normal_stresses(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u);
+  template <int t>
+  void shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u);
+  template <int c>
+  void add_stress(Array3<double>& out) const;
 
   Box own_, local_;
   std::array<Box, 3> faces_;
+  std::array<bool, 3> solved_;
   std::array<AxisMeasure, 3> axis_;
   std::array<bool, 3> periodic_;
   Int3 n_;
-  Array3<double> flux_;                   // scratch: flux through the low side of each volume
-  std::array<Array3<double>, 3> normal_;  // scratch: eps tau_cc A-less, in cells
-  std::array<Array3<double>, 3> shear_;   // scratch: eps tau_yz, tau_xz, tau_xy on edges
+  std::array<std::vector<double>, 3> side_;  // scratch: fluxes through the sides of a row, two rows, two slabs
+  std::array<Array3<double>, 3> normal_;     // scratch: eps tau_cc A-less, in cells
+  std::array<Array3<double>, 3> shear_;      // scratch: eps tau_yz, tau_xz, tau_xy on edges
 };
 
 }  // namespace twogrid

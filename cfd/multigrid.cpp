@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "vectorised.h"
+
 namespace twogrid {
 
 namespace {
@@ -88,6 +90,8 @@ struct Multigrid<T>::Level {
   std::array<std::vector<int>, 3> side;    // where the second parent of the interpolation lies: -1, 1, or 0: no second
   std::array<bool, 3> pair_below;          // the cell below own.lo has been merged with the one below it
   std::array<Array3<T>, 3> w;              // the second parent's weight
+  std::vector<T> stripes;                  // 1, 0, 1, 0 ...: tells the colours of a row apart
+  std::vector<T> row;                      // scratch, one value a cell of a row
 
   Level(MPI_Comm comm, int rank, std::vector<Box> boxes, Int3 extent, std::array<bool, 3> wrap)
       : own(boxes[rank]), n(extent), periodic(wrap), all(std::move(boxes)), halo(comm, all, n, wrap) {
@@ -97,31 +101,32 @@ struct Multigrid<T>::Level {
     dinv.reset(box);
     x.reset(box);
     b.reset(box);
-  }
-
-  /// Calls f(j, k, first cell of the colour, memory index of i = 0).
-  template <class F>
-  void rows(int colour, F&& f) const {
-    if (own.empty()) return;
-    for (int k = own.lo[2]; k < own.hi[2]; ++k)
-      for (int j = own.lo[1]; j < own.hi[1]; ++j)
-        f(j, k, own.lo[0] + ((own.lo[0] + j + k + colour) & 1), x.index(0, j, k));
+    row.resize(own.size(0));
+    for (int i = 0; i <= own.size(0); ++i) stripes.push_back(T(1 - i % 2));
   }
 
   /// A direction in which the only neighbour is the cell itself has no flux; after this dinv is 1 / sum of g.
   void finish_operator() {
+    close_self_neighbours();
+    invert_diagonal();
+  }
+
+  void close_self_neighbours() {
     for (int d = 0; d < 3; ++d)
       if (periodic[d] && n[d] == 1) g[d].fill(0);
+  }
+
+  TWOGRID_VECTORISED void invert_diagonal() {
     if (own.empty()) return;
     const T *gx = g[0].data(), *gy = g[1].data(), *gz = g[2].data();
-    T* di = dinv.data();
+    T* __restrict di = dinv.data();
     const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
     for (int k = own.lo[2]; k < own.hi[2]; ++k)
       for (int j = own.lo[1]; j < own.hi[1]; ++j) {
         const std::ptrdiff_t m0 = x.index(0, j, k);
         for (std::ptrdiff_t m = m0 + own.lo[0]; m < m0 + own.hi[0]; ++m) {
           const T sum = gx[m] + gx[m + 1] + gy[m] + gy[m + sy] + gz[m] + gz[m + sz];
-          di[m] = sum > 0 ? T(1) / sum : T(0);
+          di[m] = (sum > 0 ? T(1) : T(0)) / (sum > 0 ? sum : T(1));
         }
       }
   }
@@ -131,7 +136,7 @@ struct Multigrid<T>::Level {
 
   /// coarse.g[d] += conductance between coarse centres along each fine line, which is also kept in w[d] at the face
   /// between the pairs.
-  void sum_conductances(int d, Level& coarse) {
+  TWOGRID_VECTORISED void sum_conductances(int d, Level& coarse) {
     const T* g_d = g[d].data();
     T *w_d = w[d].data(), *sum = coarse.g[d].data();
     const std::ptrdiff_t s = x.stride(d), high = coarse.x.stride(d);
@@ -174,7 +179,7 @@ struct Multigrid<T>::Level {
 
   /// w[d], from the conductances that sum_conductances left there: the share of the way's resistance that lies inside
   /// the own pair. In place: the conductance of the face above is read before that place is overwritten.
-  void weigh(int d) {
+  TWOGRID_VECTORISED void weigh(int d) {
     const T* g_d = g[d].data();
     T* w_d = w[d].data();
     const std::ptrdiff_t s = x.stride(d);
@@ -204,7 +209,7 @@ struct Multigrid<T>::Level {
       }
   }
 
-  void limit_weights() {
+  TWOGRID_VECTORISED void limit_weights() {
     T *wx = w[0].data(), *wy = w[1].data(), *wz = w[2].data();
     for (int k = own.lo[2]; k < own.hi[2]; ++k)
       for (int j = own.lo[1]; j < own.hi[1]; ++j) {
@@ -216,66 +221,92 @@ struct Multigrid<T>::Level {
       }
   }
 
-  /// x = b / diagonal on one colour: a Gauss-Seidel half sweep that starts from zero.
-  void start(int colour) {
-    const T *di = dinv.data(), *bb = b.data();
-    T* xx = x.data();
-    rows(colour, [&](int, int, int first, std::ptrdiff_t m0) {
-      for (std::ptrdiff_t m = m0 + first; m < m0 + own.hi[0]; m += 2) xx[m] = di[m] * bb[m];
+  /// Calls f(j, k, memory index of the row's first own cell, stripes of the colour) for each row of own cells.
+  template <class F>
+  void whole_rows(int colour, F&& f) const {
+    for (int k = own.lo[2]; k < own.hi[2]; ++k)
+      for (int j = own.lo[1]; j < own.hi[1]; ++j)
+        f(j, k, x.index(own.lo[0], j, k), stripes.data() + ((own.lo[0] + j + k + colour) & 1));
+  }
+
+  /// x = b / diagonal: a Gauss-Seidel half sweep that starts from zero. Of both colours: that of the other is
+  /// overwritten unread by the half sweep that follows, but for those across an odd seam, which are cleared.
+  TWOGRID_VECTORISED void start(int colour) {
+    const int nx = own.size(0);
+    const bool one = odd_seam;
+    whole_rows(colour, [&](int, int, std::ptrdiff_t m, const T* mine) {
+      const T *di = dinv.data() + m, *bb = b.data() + m;
+      T* __restrict xx = x.data() + m;
+      for (int i = 0; i < nx; ++i) xx[i] = di[i] * bb[i];
+      if (one)
+        for (int i = 0; i < nx; ++i) xx[i] *= mine[i];
     });
   }
 
-  void smooth(int colour) {
-    const T *gx = g[0].data(), *gy = g[1].data(), *gz = g[2].data(), *di = dinv.data(), *bb = b.data();
-    T* xx = x.data();
+  /// Whole rows are computed, which vectorises, and one colour is kept.
+  TWOGRID_VECTORISED void smooth(int colour) {
     const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
-    rows(colour, [&](int, int, int first, std::ptrdiff_t m0) {
-      for (std::ptrdiff_t m = m0 + first; m < m0 + own.hi[0]; m += 2)
-        xx[m] = di[m] *
-                (bb[m] + ((gx[m] * xx[m - 1] + gx[m + 1] * xx[m + 1]) + (gy[m] * xx[m - sy] + gy[m + sy] * xx[m + sy]) +
-                          (gz[m] * xx[m - sz] + gz[m + sz] * xx[m + sz])));
+    const int nx = own.size(0);
+    T* __restrict found = row.data();
+    whole_rows(colour, [&](int, int, std::ptrdiff_t m, const T* mine) {
+      const T *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *di = dinv.data() + m,
+              *bb = b.data() + m;
+      T* xx = x.data() + m;
+#pragma GCC ivdep
+      for (int i = 0; i < nx; ++i)
+        found[i] = di[i] * (bb[i] + ((gx[i] * xx[i - 1] + gx[i + 1] * xx[i + 1]) +
+                                     (gy[i] * xx[i - sy] + gy[i + sy] * xx[i + sy]) +
+                                     (gz[i] * xx[i - sz] + gz[i + sz] * xx[i + sz])));
+      for (int i = 0; i < nx; ++i) xx[i] = mine[i] != 0 ? found[i] : xx[i];
     });
   }
 
   /// coarse.b += P^T (b - A x), of the cells of one colour; contributions to other ranks' cells stay in coarse.b's
   /// halo.
-  void restrict_residual(int colour, Level& coarse) const {
-    const T *gx = g[0].data(), *gy = g[1].data(), *gz = g[2].data(), *bb = b.data(), *xx = x.data();
+  TWOGRID_VECTORISED void restrict_residual(int colour, Level& coarse) {
     const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
+    const int nx = own.size(0);
+    T* __restrict r = row.data();
     T* cb = coarse.b.data();
-    rows(colour, [&](int j, int k, int first, std::ptrdiff_t m0) {
-      const std::ptrdiff_t c0 = coarse.b.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
+    whole_rows(colour, [&](int j, int k, std::ptrdiff_t m, const T* mine) {
+      const T *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *bb = b.data() + m,
+              *xx = x.data() + m;
+#pragma GCC ivdep
+      for (int i = 0; i < nx; ++i) {
+        const T c = xx[i];
+        r[i] = bb[i] + ((gx[i] * (xx[i - 1] - c) + gx[i + 1] * (xx[i + 1] - c)) +
+                        (gy[i] * (xx[i - sy] - c) + gy[i + sy] * (xx[i + sy] - c)) +
+                        (gz[i] * (xx[i - sz] - c) + gz[i + sz] * (xx[i + sz] - c)));
+      }
+      const T *wx = w[0].data() + m, *wy = w[1].data() + m, *wz = w[2].data() + m;
+      const int *to = parent[0].data(), *beside = side[0].data();
+      T* row_b = cb + coarse.b.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
       const std::ptrdiff_t oy = side[1][j - own.lo[1]] * coarse.b.stride(1),
                            oz = side[2][k - own.lo[2]] * coarse.b.stride(2);
-      for (int i = first; i < own.hi[0]; i += 2) {
-        const std::ptrdiff_t m = m0 + i;
-        const T c = xx[m];
-        const T r = bb[m] + ((gx[m] * (xx[m - 1] - c) + gx[m + 1] * (xx[m + 1] - c)) +
-                             (gy[m] * (xx[m - sy] - c) + gy[m + sy] * (xx[m + sy] - c)) +
-                             (gz[m] * (xx[m - sz] - c) + gz[m + sz] * (xx[m + sz] - c)));
-        const std::ptrdiff_t p = c0 + parent[0][i - own.lo[0]];
-        const T rx = w[0].data()[m] * r, ry = w[1].data()[m] * r, rz = w[2].data()[m] * r;
-        cb[p] += r - (rx + ry + rz);
-        cb[p + side[0][i - own.lo[0]]] += rx;
-        cb[p + oy] += ry;
-        cb[p + oz] += rz;
+      for (int i = mine[0] != 0 ? 0 : 1; i < nx; i += 2) {
+        T* p = row_b + to[i];
+        const T rx = wx[i] * r[i], ry = wy[i] * r[i], rz = wz[i] * r[i];
+        *p += r[i] - (rx + ry + rz);
+        p[beside[i]] += rx;
+        p[oy] += ry;
+        p[oz] += rz;
       }
     });
   }
 
   /// x += P coarse.x on the cells of one colour.
-  void prolong(int colour, const Level& coarse) {
-    const T* cx = coarse.x.data();
-    T* xx = x.data();
-    rows(colour, [&](int j, int k, int first, std::ptrdiff_t m0) {
-      const std::ptrdiff_t c0 = coarse.x.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
+  TWOGRID_VECTORISED void prolong(int colour, const Level& coarse) {
+    const int nx = own.size(0);
+    whole_rows(colour, [&](int j, int k, std::ptrdiff_t m, const T* mine) {
+      const T* row_x = coarse.x.data() + coarse.x.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
       const std::ptrdiff_t oy = side[1][j - own.lo[1]] * coarse.x.stride(1),
                            oz = side[2][k - own.lo[2]] * coarse.x.stride(2);
-      for (int i = first; i < own.hi[0]; i += 2) {
-        const std::ptrdiff_t m = m0 + i, p = c0 + parent[0][i - own.lo[0]];
-        const T c = cx[p];
-        xx[m] += c + ((w[0].data()[m] * (cx[p + side[0][i - own.lo[0]]] - c) + w[1].data()[m] * (cx[p + oy] - c)) +
-                      w[2].data()[m] * (cx[p + oz] - c));
+      const T *wx = w[0].data() + m, *wy = w[1].data() + m, *wz = w[2].data() + m;
+      const int *from = parent[0].data(), *beside = side[0].data();
+      T* xx = x.data() + m;
+      for (int i = mine[0] != 0 ? 0 : 1; i < nx; i += 2) {
+        const T *p = row_x + from[i], c = *p;
+        xx[i] += c + ((wx[i] * (p[beside[i]] - c) + wy[i] * (p[oy] - c)) + wz[i] * (p[oz] - c));
       }
     });
   }
@@ -416,10 +447,10 @@ template <class T>
 Multigrid<T>::~Multigrid() = default;
 
 template <class T>
-void Multigrid<T>::set_operator(const std::array<Array3<double>, 3>& g, bool singular) {
+void Multigrid<T>::set_operator(const std::array<Array3<double>, 3>& g, bool singular, double scale) {
   Level& fine = levels_.front();
   for (int d = 0; d < 3; ++d)
-    for (std::size_t m = 0; m < fine.g[d].size(); ++m) fine.g[d].data()[m] = T(g[d].data()[m]);
+    for (std::size_t m = 0; m < fine.g[d].size(); ++m) fine.g[d].data()[m] = T(scale * g[d].data()[m]);
   fine.finish_operator();
   for (std::size_t l = 0; l + 1 < levels_.size(); ++l) coefficients(levels_[l], levels_[l + 1]);
   coarsest_->set_operator(levels_.back(), singular);

@@ -46,8 +46,9 @@ class Multigrid {
   ~Multigrid();
 
   /// g[d](i,j,k): of the low face of cell (i,j,k) in direction d; on own cells and a halo of one, the high faces of own
-  /// cells included (brought from the neighbour, or the boundary's). Collective.
-  void set_operator(const std::array<Array3<double>, 3>& g, bool singular);
+  /// cells included (brought from the neighbour, or the boundary's). All g are multiplied by scale, which may bring
+  /// them into T's range. Collective.
+  void set_operator(const std::array<Array3<double>, 3>& g, bool singular, double scale = 1);
 
   /// Right-hand side, to be filled on own cells, and after cycle() the approximate solution there.
   Array3<T>& b();

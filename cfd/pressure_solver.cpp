@@ -8,11 +8,38 @@
 #include "face_halo.h"
 #include "multigrid.h"
 #include "petsc_wrappers.h"
+#include "vectorised.h"
 
 namespace twogrid {
 
 namespace {
 constexpr char kPrefix[] = "fluid_pressure_";
+
+/// y = -A x on the rows of own cells: sum over faces of g (x_cell - x_neighbour). y has no halo.
+TWOGRID_VECTORISED void apply_operator(const Box& own, const std::array<Array3<double>, 3>& g, const Array3<double>& x,
+                                       double* y) {
+  const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
+  const int n = own.size(0);
+  for (int k = own.lo[2]; k < own.hi[2]; ++k)
+    for (int j = own.lo[1]; j < own.hi[1]; ++j, y += n) {
+      const std::ptrdiff_t m = x.index(own.lo[0], j, k);
+      const double *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *a = x.data() + m;
+#pragma GCC ivdep
+      for (int i = 0; i < n; ++i) {
+        const double c = a[i];
+        y[i] = (gx[i] * (c - a[i - 1]) + gx[i + 1] * (c - a[i + 1])) +
+               (gy[i] * (c - a[i - sy]) + gy[i + sy] * (c - a[i + sy])) +
+               (gz[i] * (c - a[i - sz]) + gz[i + sz] * (c - a[i + sz]));
+      }
+    }
+}
+
+/// The power of two next above x, 1 if x is zero.
+double power_of_two(double x) {
+  int exponent = 0;
+  std::frexp(x, &exponent);
+  return x > 0 ? std::ldexp(1.0, exponent) : 1.0;
+}
 }  // namespace
 
 class PressureSolver::Impl {
@@ -79,7 +106,8 @@ class PressureSolver::Impl {
       singular_ = singular;
       known_ = true;
     }
-    multigrid_.set_operator(g_, singular);
+    operator_scale_ = 1 / power_of_two(typical_conductance());
+    multigrid_.set_operator(g_, singular, operator_scale_);
   }
 
   int solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
@@ -100,6 +128,7 @@ class PressureSolver::Impl {
       return 0;
     }
     target_ = std::max({rtol() * norm, double(abstol), atol});
+    rhs_scale_ = 1 / power_of_two(norm);
 
     // A residual updated by recurrence drifts from the true one by round-off: where that matters the true residual is
     // checked after the solve, and the solve is started again from where it is.
@@ -130,6 +159,17 @@ class PressureSolver::Impl {
   }
 
  private:
+  /// Largest conductance in the direction of most cells, of all ranks.
+  double typical_conductance() const {
+    const int d = int(std::max_element(n_.begin(), n_.end()) - n_.begin());
+    double largest = 0;
+    rows(g_[d], [&](std::ptrdiff_t m, std::ptrdiff_t, int n) {
+      for (const double* g = g_[d].data() + m; n > 0; --n, ++g) largest = std::max(largest, *g);
+    });
+    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
+    return largest;
+  }
+
   /// Calls f(memory index in a, position in a Vec's local part, row length) for each row of own cells.
   template <class A, class F>
   void rows(const A& a, F&& f) const {
@@ -229,16 +269,7 @@ class PressureSolver::Impl {
     if ((error = VecRestoreArrayRead(x, &from))) return error;
     self->halo_.bring({&self->x_});
     if ((error = VecGetArrayWrite(y, &to))) return error;
-    const double *gx = self->g_[0].data(), *gy = self->g_[1].data(), *gz = self->g_[2].data();
-    const std::ptrdiff_t sy = self->x_.stride(1), sz = self->x_.stride(2);
-    self->rows(self->x_, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
-      for (int i = 0; i < n; ++i, ++m) {
-        const double c = a[m];
-        to[p + i] = (gx[m] * (c - a[m - 1]) + gx[m + 1] * (c - a[m + 1])) +
-                    (gy[m] * (c - a[m - sy]) + gy[m + sy] * (c - a[m + sy])) +
-                    (gz[m] * (c - a[m - sz]) + gz[m + sz] * (c - a[m + sz]));
-      }
-    });
+    if (!self->own_.empty()) apply_operator(self->own_, self->g_, self->x_, to);
     return VecRestoreArrayWrite(y, &to);
   }
 
@@ -251,12 +282,18 @@ class PressureSolver::Impl {
     PetscScalar* to = nullptr;
     if ((error = VecGetArrayRead(r, &from))) return error;
     auto* b = mg.b().data();
-    self->rows(mg.b(), [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(from + p, n, b + m); });
+    // Both scaled by powers of two, so that single precision neither overflows nor vanishes.
+    const double in = self->rhs_scale_, out = self->operator_scale_ / self->rhs_scale_;
+    self->rows(mg.b(), [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
+      for (int i = 0; i < n; ++i) b[m + i] = float(in * from[p + i]);
+    });
     if ((error = VecRestoreArrayRead(r, &from))) return error;
     mg.cycle();
     if ((error = VecGetArrayWrite(z, &to))) return error;
     const auto* x = mg.x().data();
-    self->rows(mg.x(), [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(x + m, n, to + p); });
+    self->rows(mg.x(), [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
+      for (int i = 0; i < n; ++i) to[p + i] = out * x[m + i];
+    });
     return VecRestoreArrayWrite(z, &to);
   }
 
@@ -280,11 +317,12 @@ class PressureSolver::Impl {
   Int3 n_;
   Box own_;
   bool singular_ = false, known_ = false;
-  double target_ = 0;  // residual norm at which to stop
+  double target_ = 0;                          // residual norm at which to stop
+  double operator_scale_ = 1, rhs_scale_ = 1;  // factors on A and on residuals in the multigrid
   FaceHalo halo_;
   std::array<Array3<double>, 3> g_;
   Array3<double> x_;
-  Multigrid<double> multigrid_;
+  Multigrid<float> multigrid_;  // a preconditioner: half the bytes, and rounding is put right by the iteration
   PetscVector rhs_, solution_, residual_;
   PetscMatrix matrix_;
   PetscNullSpace constants_;
