@@ -134,6 +134,14 @@ TEST(SceneReportText, SaysGridsSidesAndDefaults) {
     EXPECT_NE(r.find(part), std::string::npos) << part << "\n" << r;
 }
 
+TEST(CommandLine, ParticlesChoosesTheKernel) {
+  EXPECT_EQ(split_command_line({"twogrid", "-in", "in.bed"}).particles, "auto");
+  const CommandLine c = split_command_line({"twogrid", "-particles", "stock", "-in", "in.bed"});
+  EXPECT_EQ(c.particles, "stock");
+  EXPECT_EQ(c.liggghts, (std::vector<std::string>{"twogrid", "-in", "in.bed"}));
+  EXPECT_THROW(split_command_line({"twogrid", "-particles"}), std::invalid_argument);
+}
+
 TEST(CommandLineWords, AreSharedOut) {
   const CommandLine c =
       split_command_line({"twogrid", "-in", "in.jet", "-fluid_pressure_rtol", "1e-12", "-var", "U", "1", "2",
