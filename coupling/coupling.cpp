@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ctime>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "../cfd/compiled.h"
@@ -373,30 +374,38 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
       ledger_.magnitude += std::abs(s[kImpulse + d]);
     }
   };
-  for (std::size_t q = 0; q < inside_.size(); ++q) {
-    const int i = inside_[q];
-    double* s = p.state[i];
-    if (repeated > 0)
-      for (int d = 0; d < 3; ++d) s[kImpulse + d] += repeated * (s[kDragForce + d] + s[kPressureForce + d]);
-    const bool is_new = s[kVoidFraction] == 0;
-    Vec3 c{0, 0, 0}, pressure;
-    if (compiled::kHold && holding_ && s[kDragCoefficient] > 0) motion().change_at(p.x[i], c, pressure);
-    const double b = held && p.held(i) ? s[kResponse] : s[kResponse] * mean_decay(s[kResponse] * interval / p.mass[i]);
-    response_[q] = b;
-    mine.response = std::max(mine.response, b);
-    for (int d = 0; d < 3; ++d) {
-      // The step that this coupling belongs to has moved the particle, but force() hasn't seen it yet.
-      const double path = (s[kDisplacement + d] + (path_counted_ ? 0.0 : p.v[i][d] * dem_dt)) / interval;
-      const double mean = is_new ? p.v[i][d] : path;
-      flux_velocity_[q][d] = is_new ? mean : mean + r * (mean - s[kPathVelocity + d]);
-      s[kPathVelocity + d] = mean;
-      s[kDisplacement + d] = 0;
-      s[kSeenVelocity + d] = seen_[q][d] = s[kFluidVelocity + d] - c[d];
-      reaction_[q][d] = b * seen_[q][d] - s[kImpulse + d] * inverse_interval;
-      mine.reaction = std::max(mine.reaction, std::abs(reaction_[q][d]));
+  const auto particles = [&](auto holding) {
+    constexpr bool kHolding = decltype(holding)::value;
+    for (std::size_t q = 0; q < inside_.size(); ++q) {
+      const int i = inside_[q];
+      double* s = p.state[i];
+      if (repeated > 0)
+        for (int d = 0; d < 3; ++d) s[kImpulse + d] += repeated * (s[kDragForce + d] + s[kPressureForce + d]);
+      const bool is_new = s[kVoidFraction] == 0;
+      Vec3 c{0, 0, 0}, pressure;
+      if (kHolding && s[kDragCoefficient] > 0) motion().change_at(p.x[i], c, pressure);
+      const double b =
+          held && p.held(i) ? s[kResponse] : s[kResponse] * mean_decay(s[kResponse] * interval / p.mass[i]);
+      response_[q] = b;
+      mine.response = std::max(mine.response, b);
+      for (int d = 0; d < 3; ++d) {
+        // The step that this coupling belongs to has moved the particle, but force() hasn't seen it yet.
+        const double path = (s[kDisplacement + d] + (path_counted_ ? 0.0 : p.v[i][d] * dem_dt)) / interval;
+        const double mean = is_new ? p.v[i][d] : path;
+        flux_velocity_[q][d] = is_new ? mean : mean + r * (mean - s[kPathVelocity + d]);
+        s[kPathVelocity + d] = mean;
+        s[kDisplacement + d] = 0;
+        s[kSeenVelocity + d] = seen_[q][d] = kHolding ? s[kFluidVelocity + d] - c[d] : s[kFluidVelocity + d];
+        reaction_[q][d] = b * seen_[q][d] - s[kImpulse + d] * inverse_interval;
+        mine.reaction = std::max(mine.reaction, std::abs(reaction_[q][d]));
+      }
+      note_impulse(s);
     }
-    note_impulse(s);
-  }
+  };
+  if (compiled::kHold && holding_)
+    particles(std::true_type{});
+  else
+    particles(std::false_type{});
   for (int i : leaving_) {
     note_impulse(p.state[i]);
     for (int d = 0; d < 3; ++d) mine.reaction = std::max(mine.reaction, std::abs(p.state[i][kImpulse + d]) / interval);
