@@ -87,6 +87,7 @@ class GranularContacts : public IGranularPairStyle {
   ContactSettings settings_;
   std::unique_ptr<ContactLaws> laws_;
   std::unique_ptr<NearList> near_;
+  bool stale_ = false;  // LIGGGHTS made its list anew in a step that its own kernel served
 };
 
 std::string GranularContacts::obstacle(PairGran& pair) const {
@@ -108,8 +109,10 @@ std::string GranularContacts::obstacle(PairGran& pair) const {
 
 void GranularContacts::compute_force(PairGran* pair, int eflag, int vflag, int addflag) {
   const int n_all = lammps_.atom->nlocal + lammps_.atom->nghost;
+  const bool fresh = lammps_.neighbor->ago == 0;
   // The kernel reads one double behind the last particle's vectors.
   if (eflag || vflag || addflag || !pair->computeflag() || n_all >= lammps_.atom->nmax || !obstacle(*pair).empty()) {
+    stale_ |= fresh;
     stock_->compute_force(pair, eflag, vflag, addflag);
     return;
   }
@@ -120,7 +123,8 @@ void GranularContacts::compute_force(PairGran* pair, int eflag, int vflag, int a
   const NeighList &list = *pair->list, &history = *pair->listgranhistory;
   near_->update(
       s, {list.inum, list.ilist, list.numneigh, list.firstneigh, history.firstneigh, history.firstdouble, pair->dnum()},
-      lammps_.neighbor->ago == 0);
+      fresh || stale_);
+  stale_ = false;
   chosen_kernel->contact_forces(s, laws_->step(lammps_, pair->shearupdate() != 0, pair->freeze_group_bit()),
                                 near_->packed(), near_->pairs(), near_->contacts(), near_->contact_count());
 }

@@ -70,6 +70,9 @@ SCENES = {
     "two types, sizes 1:3": dict(r=(0.35e-3, 0.6e-3, 1.05e-3), down="0.4 0 -1"),
     "absolute damping": dict(abs="_abs", gn="2e-4 3e-4 3e-4 1e-4", gt="1e-4 1e-4 1e-4 1e-4", switches="absolute_damping on"),
     "forces that don't pull, no tangential damping": dict(switches="limitForce on tangential_damping off", gn="4000 4000 4000 4000"),
+    # LIGGGHTS' own kernel serves the steps with stress, among them some at which the neighbour list is made anew.
+    "stress asked for every 3 steps": dict(U="0.8", extra="compute s all stress/atom\ncompute sum all reduce sum c_s[1]\n"
+                                           "fix stress all ave/time 3 1 3 c_sum"),
     "some particles frozen": dict(extra="region low block 0 0.012 0 0.008 0 0.004 units box\ngroup low region low\nfix ice low freeze"),
 }
 
