@@ -11,6 +11,7 @@ const ContactKernel* find_contact_kernel(const char* name) {
   if (avx512 && (any || std::strcmp(name, kContactKernelAvx512.name) == 0)) return &kContactKernelAvx512;
   if (__builtin_cpu_supports("avx2") && (any || std::strcmp(name, kContactKernelAvx2.name) == 0))
     return &kContactKernelAvx2;
+  if (any || std::strcmp(name, kContactKernelPlain.name) == 0) return &kContactKernelPlain;
   return nullptr;
 }
 

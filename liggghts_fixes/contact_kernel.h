@@ -73,7 +73,8 @@ struct ContactKernel {
                       double* const* springs, int* contacts);
 };
 
-extern const ContactKernel kContactKernelAvx2, kContactKernelAvx512;
+/// Plain: the instructions that any processor of the kind has.
+extern const ContactKernel kContactKernelPlain, kContactKernelAvx2, kContactKernelAvx512;
 
 /// The kernel of that name, or with "auto" the fastest; null if there is none that this processor can run.
 const ContactKernel* find_contact_kernel(const char* name);

@@ -147,7 +147,7 @@ std::string contacts_text(LAMMPS& lammps) {
   auto* proxy = dynamic_cast<PairGranProxy*>(lammps.force->pair);
   if (!proxy) return "";
   auto* ours = dynamic_cast<GranularContacts*>(proxy->*member(ProxyStyle()));
-  if (!ours) return "LIGGGHTS' own kernel: ours serves hooke/stiffness with tangential history, and needs AVX2";
+  if (!ours) return "LIGGGHTS' own kernel: ours serves hooke/stiffness with tangential history";
   const std::string why = ours->obstacle(*proxy);
   if (!why.empty()) return "LIGGGHTS' own kernel: ours doesn't serve " + why;
   return std::string(kOwnContacts) + " (" + chosen_kernel->name + "), with LIGGGHTS' results to the last bit";

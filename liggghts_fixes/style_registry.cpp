@@ -65,12 +65,11 @@ namespace twogrid {
 void register_particles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel) {
   if (kernel == "stock") return;
   contact_kernel = find_contact_kernel(kernel.c_str());
-  if (!contact_kernel && kernel != "auto")
+  if (!contact_kernel)
     throw std::invalid_argument("command line: found -particles " + kernel +
-                                ", wanted auto, stock, AVX2 or AVX-512 (where this processor has it)");
+                                ", wanted auto, stock, plain, AVX2 or AVX-512 (where this processor has it)");
   auto& fixes = *(lammps.modify->*member(FixMap{}));
   fixes["nve/sphere"] = make_sphere_motion;
-  if (!contact_kernel) return;
   stock_wall = fixes["wall/gran"];
   fixes["wall/gran"] = make_wall;
   register_contacts(*contact_kernel);

@@ -1,0 +1,5 @@
+#include "contact_kernel_code.h"
+
+namespace twogrid {
+const ContactKernel kContactKernelPlain{"plain", pack, near_pairs, touching, contact_forces, wall_forces};
+}
