@@ -3,8 +3,8 @@
 // in LIGGGHTS' own order of operations, so that the results are its own to the last bit. Pure functions, no LIGGGHTS.
 //
 // Order of a step: pack() copies positions and radii; if particles have moved too far, near_pairs() is made anew;
-// touching() picks the pairs in contact; contact_forces() evaluates them, wall_forces() those with a wall. SI units,
-// local to the rank.
+// touching() picks the pairs in contact; contact_forces() evaluates them, wall_forces() those with a wall; add_weight()
+// and kick() are gravity and half a step of velocity Verlet. SI units, local to the rank.
 #pragma once
 
 namespace twogrid {
@@ -58,6 +58,17 @@ struct Drift {
   bool radius_changed;  ///< of any of them
 };
 
+/// Half a step of motion: v += h f/m, omega += h torque/I, and between them x += dt v if there is a dt.
+struct HalfStep {
+  double h;   ///< s, half the step
+  double dt;  ///< s, 0: x stays
+  double mass_factor;  ///< of inertia against v, 1 unless mass is added
+  int n, group;        ///< own particles; bits of those that move
+  double *x, *v, *omega;
+  const double *f, *torque, *radius, *mass;
+  const int* mask;
+};
+
 struct ContactKernel {
   const char* name;
   /// packed[4 n + ...] = x, y, z, r of n_all spheres; before: the same when the list was made.
@@ -71,6 +82,9 @@ struct ContactKernel {
   /// The same for a wall and the n particles near it; springs: rows of three by particle; contacts: room for n + 1.
   void (*wall_forces)(const Spheres& s, const ContactStep& step, const PlaneWall& wall, const int* near, int n,
                       double* const* springs, int* contacts);
+  /// f += mass g of the own particles in a group.
+  void (*add_weight)(const Spheres& s, int group, const double g[3]);
+  void (*kick)(const HalfStep& step);
 };
 
 /// Plain: the instructions that any processor of the kind has.

@@ -11,6 +11,7 @@
 #include "fix_plane_wall.h"
 #include "fix_sphere_motion.h"
 #include "fix_twogrid.h"
+#include "fix_weight.h"
 #include "granular_contacts.h"
 
 namespace {
@@ -55,7 +56,11 @@ LAMMPS_NS::Fix* make_wall(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
 }
 
 LAMMPS_NS::Fix* make_sphere_motion(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
-  return new twogrid::FixSphereMotion(lammps, narg, arg);
+  return new twogrid::FixSphereMotion(lammps, narg, arg, *contact_kernel);
+}
+
+LAMMPS_NS::Fix* make_weight(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  return new twogrid::FixWeight(lammps, narg, arg, *contact_kernel);
 }
 
 }  // namespace
@@ -70,6 +75,7 @@ void register_particles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel) {
                                 ", wanted auto, stock, plain, AVX2 or AVX-512 (where this processor has it)");
   auto& fixes = *(lammps.modify->*member(FixMap{}));
   fixes["nve/sphere"] = make_sphere_motion;
+  fixes["gravity"] = make_weight;
   stock_wall = fixes["wall/gran"];
   fixes["wall/gran"] = make_wall;
   register_contacts(*contact_kernel);
