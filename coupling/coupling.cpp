@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../cfd/compiled.h"
+#include "../cfd/vectorised.h"
 #include "deposit.h"
 #include "drag.h"
 #include "eps_bound.h"
@@ -92,6 +93,49 @@ double narrowest(const ParticleGrid& grid) {
   return width;
 }
 
+/// What all particles of a step have in common.
+struct PlainStep {
+  double dt, lift;  ///< s; -rho_f (kg/m3)
+  Vec3 g;           ///< m/s2
+};
+
+template <bool kPressure>
+inline int add_plain_forces(const Particles& p, const PlainStep& step, int* left) {
+  const Four g{step.g[0], step.g[1], step.g[2], 0};
+  int count = 0;
+  for (int i = 0; i < p.n; ++i) {
+    if (!p.takes_part(i)) continue;
+    double* const s = p.state[i];
+    const double b = s[kDragCoefficient], decay = s[kDecay];
+    if (decay == 0) {
+      left[count++] = i;
+      continue;
+    }
+    double* const f = p.f[i];
+    const double *const v = p.v[i], *const u = s + kFluidVelocity, *const pressure = s + kPressureForce;
+    const double buoyancy = step.lift * sphere_volume(p.radius[i]);
+    const Four other = Four{f[0], f[1], f[2], 0} + buoyancy * g;
+    const Four pressed{pressure[0], pressure[1], pressure[2], 0};
+    Four force = other;
+    if (kPressure) force += pressed;
+    force = (force + b * (Four{u[0], u[1], u[2], 0} - Four{v[0], v[1], v[2], 0})) * decay;
+    const Four received = force - other;
+    const Four drag = kPressure ? received - pressed : received;
+    const Four impulse = received * step.dt;
+    for (int d = 0; d < 3; ++d) {
+      s[kImpulse + d] += impulse[d];
+      s[kDragForce + d] = drag[d];
+      f[d] = force[d];
+    }
+  }
+  return count;
+}
+
+/// force() for particles of known decay; the indices of the others go to left[], their number is returned.
+TWOGRID_VECTORISED int add_plain_forces(const Particles& p, const PlainStep& step, bool pressure, int* left) {
+  return pressure ? add_plain_forces<true>(p, step, left) : add_plain_forces<false>(p, step, left);
+}
+
 Box grown_unless_empty(const Box& b, int g) {
   return b.empty() ? b : b.grown(g);
 }
@@ -144,7 +188,7 @@ class Coupling::Impl {
   void find_decay(Particles& p, double dem_dt);
   double plain_decay(double b, double mass) const;
   template <bool kHolding, bool kHeld>
-  void force_on(Particles& p, int i, double dem_dt, bool accumulate, bool add_path);
+  void force_on(Particles& p, int i, double dem_dt, bool accumulate);
   bool formulation_A() const { return compiled::kFormulationA && settings_.formulation == Formulation::kA; }
   bool inside(const double x[3]) const;
   double law_at(const Particles& p, int i, const Vec3& slip) const;
@@ -169,7 +213,7 @@ class Coupling::Impl {
   VoidHistory history_;
   Residual residual_;        // formulation A only
   double known_volume_ = 0;  // of the particles at the last coupling (m3)
-  bool started_ = false, holding_ = false, path_counted_ = false;
+  bool started_ = false, holding_ = false;
   bool any_deleted_ = false;
   double decay_dt_ = 0;  // DEM step of the particles' kDecay (s); 0: none yet
 
@@ -183,6 +227,7 @@ class Coupling::Impl {
 
   // Particles of this coupling: indices, and what belongs to them.
   std::vector<int> inside_, leaving_, new_;
+  std::vector<int> left_;  // of plain_forces()
   std::vector<Vec3> flux_velocity_;
   std::vector<double> response_;       // b' of inside_ (kg/s)
   std::vector<Vec3> seen_, reaction_;  // of inside_: u_seen (m/s), b' u_seen - I/D (N)
@@ -251,7 +296,7 @@ void Coupling::Impl::start(Particles& p, double dem_dt) {
   for (int i : inside_) {
     double* s = p.state[i];
     std::fill(s, s + kParticleColumns, 0.0);
-    for (int d = 0; d < 3; ++d) s[kPathVelocity + d] = p.v[i][d];
+    for (int d = 0; d < 3; ++d) s[kPathVelocity + d] = p.v[i][d], s[kPosition + d] = p.x[i][d];
     flux_velocity_.push_back({p.v[i][0], p.v[i][1], p.v[i][2]});
   }
   find_nodes(p);
@@ -304,7 +349,6 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
     compare_forces(p);
   }
   close_ledger(interval);
-  path_counted_ = true;
   report_.fluid_time = fluid_.time();
   report_.fluid_dt = fluid.dt;
   report_.cfl = fluid.cfl;
@@ -351,7 +395,7 @@ void Coupling::Impl::set_outside(const Particles& p, int i) {
   double* s = p.state[i];
   std::fill(s, s + kParticleColumns, 0.0);
   s[kVoidFraction] = 1;
-  for (int d = 0; d < 3; ++d) s[kPathVelocity + d] = p.v[i][d];
+  for (int d = 0; d < 3; ++d) s[kPathVelocity + d] = p.v[i][d], s[kPosition + d] = p.x[i][d];
 }
 
 void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
@@ -389,12 +433,10 @@ void Coupling::Impl::wrap_up(Particles& p, double interval, double dem_dt) {
       response_[q] = b;
       mine.response = std::max(mine.response, b);
       for (int d = 0; d < 3; ++d) {
-        // The step that this coupling belongs to has moved the particle, but force() hasn't seen it yet.
-        const double path = (s[kDisplacement + d] + (path_counted_ ? 0.0 : p.v[i][d] * dem_dt)) / interval;
-        const double mean = is_new ? p.v[i][d] : path;
+        const double mean = is_new ? p.v[i][d] : p.path(i, d) * inverse_interval;
         flux_velocity_[q][d] = is_new ? mean : mean + r * (mean - s[kPathVelocity + d]);
         s[kPathVelocity + d] = mean;
-        s[kDisplacement + d] = 0;
+        s[kPosition + d] = p.x[i][d];
         s[kSeenVelocity + d] = seen_[q][d] = kHolding ? s[kFluidVelocity + d] - c[d] : s[kFluidVelocity + d];
         reaction_[q][d] = b * seen_[q][d] - s[kImpulse + d] * inverse_interval;
         mine.reaction = std::max(mine.reaction, std::abs(reaction_[q][d]));
@@ -852,41 +894,21 @@ void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
     plain_forces(p, dem_dt);
   else
     forces<false, false>(p, dem_dt, false);
-  if (accumulate) path_counted_ = false;
 }
 
 template <bool kHolding, bool kHeld>
 void Coupling::Impl::forces(Particles& p, double dem_dt, bool accumulate) {
-  const bool add_path = accumulate && !path_counted_;
   for (int i = 0; i < p.n; ++i)
-    if (p.takes_part(i)) force_on<kHolding, kHeld>(p, i, dem_dt, accumulate, add_path);
+    if (p.takes_part(i)) force_on<kHolding, kHeld>(p, i, dem_dt, accumulate);
 }
 
 /// The common case: nothing held, not in set-up. What every step of every particle costs; the rest is left to
 /// force_on().
 void Coupling::Impl::plain_forces(Particles& p, double dem_dt) {
   if (dem_dt != decay_dt_) find_decay(p, dem_dt);
-  const double path_dt = path_counted_ ? 0.0 : dem_dt, lift = -fluid_.density();
-  const Vec3 g = gravity_;
-  for (int i = 0; i < p.n; ++i) {
-    if (!p.takes_part(i)) continue;
-    double* const s = p.state[i];
-    const double b = s[kDragCoefficient], decay = s[kDecay];
-    if (decay == 0) {
-      force_on<false, false>(p, i, dem_dt, true, !path_counted_);
-      continue;
-    }
-    const double buoyancy = lift * sphere_volume(p.radius[i]);
-    double *const f = p.f[i], *const v = p.v[i];
-    for (int d = 0; d < 3; ++d) {
-      const double other = f[d] + buoyancy * g[d], pressure = s[kPressureForce + d];
-      const double force = (other + pressure + b * (s[kFluidVelocity + d] - v[d])) * decay, received = force - other;
-      s[kImpulse + d] += received * dem_dt;
-      s[kDragForce + d] = received - pressure;
-      s[kDisplacement + d] += v[d] * path_dt;
-      f[d] = force;
-    }
-  }
+  left_.resize(p.n);
+  const int left = add_plain_forces(p, {dem_dt, -fluid_.density(), gravity_}, formulation_A(), left_.data());
+  for (int q = 0; q < left; ++q) force_on<false, false>(p, left_[q], dem_dt, true);
 }
 
 void Coupling::Impl::find_decay(Particles& p, double dem_dt) {
@@ -902,7 +924,7 @@ double Coupling::Impl::plain_decay(double b, double mass) const {
 }
 
 template <bool kHolding, bool kHeld>
-void Coupling::Impl::force_on(Particles& p, int i, double dem_dt, bool accumulate, bool add_path) {
+void Coupling::Impl::force_on(Particles& p, int i, double dem_dt, bool accumulate) {
   const bool A = formulation_A();
   const double lift = -fluid_.density();
   Vec3 c{0, 0, 0}, pressure{0, 0, 0};
@@ -939,7 +961,6 @@ void Coupling::Impl::force_on(Particles& p, int i, double dem_dt, bool accumulat
                    : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] - 0.5 * s[kLateForce + d]);
     s[kDragForce + d] = received - s[kPressureForce + d];
     s[kLateForce + d] = second[d] - first[d];
-    if (add_path) s[kDisplacement + d] += p.v[i][d] * dem_dt;
     if (!kHeld || !p.is_frozen(i)) p.f[i][d] = first[d];
   }
 }

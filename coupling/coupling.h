@@ -44,8 +44,8 @@ struct Report {
   bool holding_flux = false;
   double solid_volume = 0;  ///< m3, of the particles that take part
   long long particles = 0;
-  double volume_inserted = 0;  ///< of particles new since the last coupling (m3); they replace fluid
-  double volume_vanished = 0;  ///< of particles deleted, or gone out of the domain, since then (m3)
+  double volume_inserted = 0;                     ///< of particles new since the last coupling (m3); they replace fluid
+  double volume_vanished = 0;                     ///< of particles deleted, or gone out of the domain, since then (m3)
   double inserted_total = 0, vanished_total = 0;  ///< their sums over the run (m3)
   double travel = 0;           ///< largest way of a particle in an interval, at its speed now, in particle cells
   double volume_unplaced = 0;  ///< above the eps bound, with no room anywhere (m3)

@@ -74,7 +74,7 @@ class MeanMotion {
   std::array<Array3<long long>, kSums> window_sum_, node_sum_;
   std::array<CellField<ParticleGrid>, kShown> shown_;  // own nodes: what particles read
   std::array<Array3<double>, kShown> window_shown_;
-  CellField<ParticleGrid> eps_, beta_;                  // void fraction at the last coupling; beta/eps
+  CellField<ParticleGrid> eps_, beta_;  // void fraction at the last coupling; beta/eps
   NodeVector<CellField<ParticleGrid>> v_flux_, v_n_;
 };
 

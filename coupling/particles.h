@@ -10,11 +10,11 @@ enum ParticleColumn {
   kPressureForce = 3,     ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B
   kVoidFraction = 6,      ///< 6 eps at the particle
   kFluidVelocity = 7,     ///< 7-9 u read at the last coupling (m/s)
-  kImpulse = 10,          ///< 10-12 momentum received from the fluid since the last coupling (kg m/s)
-  kDisplacement = 13,     ///< 13-15 path since the last coupling (m)
-  kDragCoefficient = 16,  ///< 16 b_p (kg/s)
-  kDecay = 17,  ///< 17 phi(b_p dt/m) of force(); 0: not known, or the step is stiff. Up to here what a step touches
-  kPathVelocity = 18,  ///< 18-20 displacement / interval of the last coupling (m/s)
+  kDragCoefficient = 10,  ///< 10 b_p (kg/s)
+  kImpulse = 11,          ///< 11-13 momentum received from the fluid since the last coupling (kg m/s)
+  kDecay = 14,     ///< 14 phi(b_p dt/m) of force(); 0: not known, or the step is stiff. Up to here what a step touches
+  kPosition = 15,  ///< 15-17 x at the last coupling (m)
+  kPathVelocity = 18,  ///< 18-20 path / interval of the last coupling (m/s)
   kSeenVelocity = 21,  ///< 21-23 fluid velocity the drag of the last step was computed with (m/s)
   kResponse = 24,      ///< 24 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
   kLateForce = 25,     ///< 25-27 what the second half of a stiff step's force has over the first (N); else zero
@@ -37,6 +37,14 @@ struct Particles {
   int frozen = 0;                  ///< groups that are held in place all the same
   bool still = false;              ///< no particle of any rank moves
   double* const* state = nullptr;  ///< state[i][ParticleColumn]
+  double period[3] = {0, 0, 0};    ///< of the box in its periodic directions (m), else 0
+
+  /// Way in direction d since the last coupling (m), across periodic sides too.
+  double path(int i, int d) const {
+    const double way = x[i][d] - state[i][kPosition + d];
+    if (period[d] == 0 || (way < 0.5 * period[d] && way > -0.5 * period[d])) return way;
+    return way > 0 ? way - period[d] : way + period[d];
+  }
 
   bool takes_part(int i) const { return !mask || (mask[i] & group); }
   /// false: certainly none is.

@@ -3,10 +3,11 @@
 //   R_new = -(grad p - source + beta u) / eps,     grad p and u: means over the interval
 //   R <- R + w (R_new - R),     w = eps/(1 + eps_s rho_f/rho_p)
 // The weight stands for an implicit treatment of two feedbacks that an explicit R would amplify. Added mass: a light
-// particle accelerates the fluid around it, whose inertia acts back on it, by -(eps_s/eps) rho_f/rho_p a coupling. And where
-// drag is weak: the fluid hands the share eps_s R of its inertia to the particles and answers with an acceleration
-// opposite to it, by -eps_s/eps; with w both settle without swinging. The steady state doesn't depend on w. Formulation A
-// rebuilds the pressure force of a particle from it: V_p (R + D/eps), D: drag per volume (mean_motion.h).
+// particle accelerates the fluid around it, whose inertia acts back on it, by -(eps_s/eps) rho_f/rho_p a coupling. And
+// where drag is weak: the fluid hands the share eps_s R of its inertia to the particles and answers with an
+// acceleration opposite to it, by -eps_s/eps; with w both settle without swinging. The steady state doesn't depend on
+// w. Formulation A rebuilds the pressure force of a particle from it: V_p (R + D/eps), D: drag per volume
+// (mean_motion.h).
 #pragma once
 
 #include <mpi.h>

@@ -18,19 +18,19 @@ enum class EpsBound { kMove, kClip };
 enum class Interpolate { kSmooth, kLinear };  ///< eps(t) between couplings, seen by fluid sub-steps
 
 struct OutputSettings {
-  int every = 0;                     ///< DEM steps between frames; 0: no output
+  int every = 0;  ///< DEM steps between frames; 0: no output
   std::string file;
-  std::vector<std::string> fields;   ///< u p eps ...
+  std::vector<std::string> fields;  ///< u p eps ...
   bool particles = true;
-  double average_from = -1;          ///< s; negative: no averages
+  double average_from = -1;  ///< s; negative: no averages
 };
 
 struct Settings {
-  std::string id;                                   ///< of the fix, for messages
-  std::array<double, 6> domain{0, 0, 0, 0, 0, 0};   ///< of the fluid: xlo xhi ylo yhi zlo zhi (m)
+  std::string id;                                  ///< of the fix, for messages
+  std::array<double, 6> domain{0, 0, 0, 0, 0, 0};  ///< of the fluid: xlo xhi ylo yhi zlo zhi (m)
   Int3 fine{0, 0, 0};
   Int3 ratio{1, 1, 1};
-  std::array<double, 3> stretch{1, 1, 1};           ///< growth from cell to cell
+  std::array<double, 3> stretch{1, 1, 1};  ///< growth from cell to cell
   std::array<bool, 3> stretch_symmetric{false, false, false};
   int every = 1;                                    ///< DEM steps per coupling
   double accuracy = 0;                              ///< relative error wanted of the steps in time; 0: not watched
@@ -43,12 +43,12 @@ struct Settings {
   Deposit deposit = Deposit::kCentroid;
   Prolong prolong = Prolong::kConstant;
   Read read = Read::kCell;
-  double kernel_width = 0;                          ///< read kernel: full width (m)
-  double cube_edge = 0;                             ///< deposit/read cube: edge (m)
+  double kernel_width = 0;  ///< read kernel: full width (m)
+  double cube_edge = 0;     ///< deposit/read cube: edge (m)
   EpsBound bound = EpsBound::kMove;
-  double eps_min = 0.3;                             ///< smallest void fraction allowed
+  double eps_min = 0.3;  ///< smallest void fraction allowed
   Interpolate interpolate = Interpolate::kSmooth;
-  Choice hold_flux = Choice::kAuto;                 ///< particles see the volume flux held, not the velocity
+  Choice hold_flux = Choice::kAuto;  ///< particles see the volume flux held, not the velocity
   OutputSettings output;
 };
 

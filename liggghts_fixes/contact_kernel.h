@@ -60,8 +60,8 @@ struct Drift {
 
 /// Half a step of motion: v += h f/m, omega += h torque/I, and between them x += dt v if there is a dt.
 struct HalfStep {
-  double h;   ///< s, half the step
-  double dt;  ///< s, 0: x stays
+  double h;            ///< s, half the step
+  double dt;           ///< s, 0: x stays
   double mass_factor;  ///< of inertia against v, 1 unless mass is added
   int n, group;        ///< own particles; bits of those that move
   double *x, *v, *omega;

@@ -327,6 +327,8 @@ Particles FixTwogrid::particles() {
   p.frozen = frozen_groups_;
   p.still = still_;
   p.state = state_->array_atom;
+  for (int d = 0; d < 3; ++d)
+    if (domain->periodicity[d]) p.period[d] = domain->prd[d];
   return p;
 }
 
