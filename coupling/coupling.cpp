@@ -32,6 +32,7 @@ constexpr double kFollow = 0.2;
 
 /// Step over response time above which a step counts as stiff: below, the error of a constant b is under 1e-3.
 constexpr double kStiff = 0.02;
+constexpr double kPi = 3.14159265358979323846;
 constexpr int kStiffRounds = 4;
 
 /// (1 - e^-k)/k, the mean of e^-s over [0, k]: for k up to kStiff to 1e-14, and for any.
@@ -56,8 +57,26 @@ class Stopwatch {
 /// Largest values over all particles that the fixed-point sums and the choice to hold the flux need.
 struct Extremes {
   double radius = 0, minus_radius = -1e300, mass = 0, momentum = 0, reaction = 0, response = 0, drag_coefficient = 0,
-         drag = 0, drag_number = 0, follow = 0, speed2 = 0;
+         drag = 0, drag_number = 0, follow = 0, speed2 = 0, flux2 = 0;
   long long bad_tag = -1;
+};
+
+/// Particles on their way through the drag law.
+struct DragBatch {
+  static constexpr int kSize = 8 * kDragBatch;
+  int n = 0, i[kSize];
+  double eps[kSize], slip[kSize], Re[kSize], y[kSize], F[kSize];
+
+  bool full() const { return n == kSize; }
+  void add(int particle, double its_eps, double its_slip, double its_Re, double its_y) {
+    i[n] = particle, eps[n] = its_eps, slip[n] = its_slip, Re[n] = its_Re, y[n] = its_y;
+    ++n;
+  }
+  void find_F(const DragLaw& law) {
+    int groups = n;
+    for (; groups % kDragBatch; ++groups) eps[groups] = 1, Re[groups] = 0, y[groups] = 1;
+    law.F_of(groups, eps, Re, y, F);
+  }
 };
 
 void check(const Settings& s) {
@@ -181,7 +200,7 @@ class Coupling::Impl {
   void compare_forces(const Particles& p);
   MeanMotion& motion();
 
-  void find_slack();
+  void find_inside();
   template <bool kHolding, bool kHeld>
   void forces(Particles& p, double dem_dt, bool accumulate);
   void plain_forces(Particles& p, double dem_dt);
@@ -199,7 +218,7 @@ class Coupling::Impl {
   Settings settings_;
   const DragLaw& law_;
   ParticleRegion region_;
-  std::array<double, 6> slack_{};  // how far beyond a side a particle still counts as inside (m)
+  Vec3 inside_lo_, inside_hi_;  // between these a particle counts as inside, a little beyond the sides too (m)
   ParticleGrid nodes_;
   double read_length_ = 0;  // of what a particle reads (m)
   double cell_width_ = 0;   // smallest mean width of a particle cell, directions of one cell left out (m)
@@ -232,6 +251,7 @@ class Coupling::Impl {
   std::vector<double> response_;       // b' of inside_ (kg/s)
   std::vector<Vec3> seen_, reaction_;  // of inside_: u_seen (m/s), b' u_seen - I/D (N)
   std::vector<std::ptrdiff_t> node_;   // of inside_: what it reads, where that is one node
+  std::vector<Corners> corners_;       // or where that lies between nodes
   std::vector<std::array<double, 4>> deviations_;
   std::vector<Vec3> last_force_;  // of inside_, at the end of the interval; only in a coupling that is checked
   Extremes extremes_;
@@ -267,20 +287,20 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
   read_length_ = read_width(settings_);
   if (read_length_ == 0) read_length_ = narrowest(reader_.map().grid());
   cell_width_ = narrowest(nodes_);
-  find_slack();
+  find_inside();
 }
 
 /// A particle a little beyond the box is still there, until it is exchanged. Where the box goes on beyond the fluid's
 /// domain, such a particle has no place in it.
-void Coupling::Impl::find_slack() {
+void Coupling::Impl::find_inside() {
   double reaches[6], box[6];  // upwards
   for (int d = 0; d < 3; ++d) reaches[2 * d] = -region_.lo[d], reaches[2 * d + 1] = region_.hi[d];
   MPI_Allreduce(reaches, box, 6, MPI_DOUBLE, MPI_MAX, comm_);
   for (int d = 0; d < 3; ++d) {
     const Axis& a = nodes_.axis[d];
     const double same = 1e-9 * a.length();
-    slack_[2 * d] = a.lo() + box[2 * d] < same ? region_.reach : 0.0;
-    slack_[2 * d + 1] = box[2 * d + 1] - a.hi() < same ? region_.reach : 0.0;
+    inside_lo_[d] = a.periodic() ? -HUGE_VAL : a.lo() - (a.lo() + box[2 * d] < same ? region_.reach : 0.0);
+    inside_hi_[d] = a.periodic() ? HUGE_VAL : a.hi() + (box[2 * d + 1] - a.hi() < same ? region_.reach : 0.0);
   }
 }
 
@@ -359,11 +379,8 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
 }
 
 bool Coupling::Impl::inside(const double x[3]) const {
-  for (int d = 0; d < 3; ++d) {
-    const Axis& a = nodes_.axis[d];
-    if (!a.periodic() && (x[d] < a.lo() - slack_[2 * d] || x[d] > a.hi() + slack_[2 * d + 1])) return false;
-  }
-  return true;
+  return x[0] >= inside_lo_[0] && x[1] >= inside_lo_[1] && x[2] >= inside_lo_[2] && x[0] <= inside_hi_[0] &&
+         x[1] <= inside_hi_[1] && x[2] <= inside_hi_[2];
 }
 
 void Coupling::Impl::find_particles(const Particles& p) {
@@ -385,9 +402,14 @@ void Coupling::Impl::find_particles(const Particles& p) {
 }
 
 void Coupling::Impl::find_nodes(const Particles& p) {
-  if (!reader_.single()) return;
-  node_.resize(inside_.size());
-  for (std::size_t q = 0; q < inside_.size(); ++q) node_[q] = reader_.node(p.x[inside_[q]]);
+  const std::size_t n = inside_.size();
+  if (reader_.single()) {
+    node_.resize(n);
+    for (std::size_t q = 0; q < n; ++q) node_[q] = reader_.node(p.x[inside_[q]]);
+  } else if (reader_.linear()) {
+    corners_.resize(n);
+    for (std::size_t q = 0; q < n; ++q) corners_[q] = reader_.corners(p.x[inside_[q]]);
+  }
 }
 
 /// No fluid, and known: should it come in, its path began here, and it pushes fluid aside as any particle that moves.
@@ -595,12 +617,16 @@ const CellField<FineGrid>* Coupling::Impl::replacement(const Particles& p) {
   return &replaced_cells_;
 }
 
-/// f(q, i, place) for every particle i = inside_[q], with what it reads: weights, or one node (as find_nodes() has
-/// found it).
+/// f(q, i, place) for every particle i = inside_[q], with what it reads: weights; or one node, or the corners about it,
+/// as find_nodes() has found them.
 template <class F>
 void Coupling::Impl::at_places(const Particles& p, F f) const {
   if (reader_.single()) {
     for (std::size_t q = 0; q < inside_.size(); ++q) f(q, inside_[q], node_[q]);
+    return;
+  }
+  if (reader_.linear()) {
+    for (std::size_t q = 0; q < inside_.size(); ++q) f(q, inside_[q], corners_[q]);
     return;
   }
   Stencil w;
@@ -744,48 +770,61 @@ void Coupling::Impl::read(Particles& p, double interval) {
       compiled::kPolydisperse && report_.particles > 0 && extremes_.radius > smallest * (1 + 1e-9);
   if (polydisperse) motion().average_diameters(p, inside_, extremes_.radius, terms_);
 
-  const double rho = fluid_.density(), mu = fluid_.viscosity();
   const bool held = compiled::kHeld && p.some_held();
+  const double rho_per_mu = fluid_.density() / fluid_.viscosity(), mu_3pi = 3 * kPi * fluid_.viscosity();
   Extremes mine;
+  DragBatch batch;
+  const auto finish_batch = [&] {
+    batch.find_F(law_);
+    for (int l = 0; l < batch.n; ++l) {
+      const int i = batch.i[l];
+      double* const s = p.state[i];
+      const double eps = batch.eps[l], slip = batch.slip[l], m = p.mass[i];
+      const double b_A = mu_3pi * 2 * p.radius[i] * eps * batch.F[l], b_B = b_A / eps, b = A ? b_A : b_B;
+      s[kDragCoefficient] = b;
+      s[kDecay] = plain_decay(b, m);
+      s[kResponse] = b_B;
+      const double *const v = p.v[i], speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+      mine.speed2 = std::max(mine.speed2, speed2);
+      mine.momentum = std::max(mine.momentum, m * std::sqrt(speed2));
+      mine.drag = std::max(mine.drag, b * slip);
+      mine.drag_coefficient = std::max(mine.drag_coefficient, b);
+      if (!held || !p.held(i)) {
+        const double rate = b_B / m;
+        mine.drag_number = std::max(mine.drag_number, rate * interval);
+        mine.follow = std::max(mine.follow, rate * read_length_ / (slip + std::sqrt(speed2) + 1e-300));
+      }
+    }
+    batch.n = 0;
+  };
   double out[Reader::kFields] = {0, 0, 0, 1, 0, 0, 0};
   at_places(p, [&](std::size_t q, int i, const auto& place) {
-    double* s = p.state[i];
+    double* const s = p.state[i];
     if (A)
       reader_.at<7>(place, out);
     else
       reader_.at<4>(place, out);
-    const double eps = out[Reader::kEps];
-    double slip2 = 0;
-    for (int d = 0; d < 3; ++d) slip2 += (out[d] - p.v[i][d]) * (out[d] - p.v[i][d]);
-    const double slip = std::sqrt(slip2), diameter = 2 * p.radius[i];
-    const double y = polydisperse ? diameter / motion().diameter(p.x[i]) : 1.0;
-    const double b_A = drag_coefficient(law_, eps, diameter, slip, rho, mu, y);
-    const double b = A ? b_A : b_A / eps;
-    s[kVoidFraction] = eps;
-    s[kSizeRatio] = y;
-    s[kDragCoefficient] = b;
-    s[kDecay] = plain_decay(b, p.mass[i]);
-    s[kResponse] = b_A / eps;
-    const double volume = sphere_volume(p.radius[i]);
+    double slip2 = 0, flux2 = 0;
     for (int d = 0; d < 3; ++d) {
+      slip2 += (out[d] - p.v[i][d]) * (out[d] - p.v[i][d]);
+      flux2 += flux_velocity_[q][d] * flux_velocity_[q][d];
       s[kImpulse + d] = s[kLateForce + d] = 0;
       s[kFluidVelocity + d] = s[kSeenVelocity + d] = out[d];
-      s[kPressureForce + d] = A ? volume * out[Reader::kResidual + d] : 0.0;
-      mine.momentum =
-          std::max({mine.momentum, p.mass[i] * std::abs(p.v[i][d]), p.mass[i] * std::abs(flux_velocity_[q][d])});
-      mine.drag = std::max(mine.drag, b * std::abs(out[d] - p.v[i][d]));
     }
-    const double* v = p.v[i];
-    const double speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    mine.speed2 = std::max(mine.speed2, speed2);
-    mine.drag_coefficient = std::max(mine.drag_coefficient, b);
-    if (!held || !p.held(i)) {
-      const double rate = b_A / eps / p.mass[i];
-      const double crossing = slip + std::sqrt(speed2);
-      mine.drag_number = std::max(mine.drag_number, rate * interval);
-      mine.follow = std::max(mine.follow, rate * read_length_ / (crossing + 1e-300));
+    mine.flux2 = std::max(mine.flux2, flux2);
+    const double eps = out[Reader::kEps], slip = std::sqrt(slip2), diameter = 2 * p.radius[i];
+    const double y = polydisperse ? diameter / motion().diameter(p.x[i]) : 1.0;
+    s[kVoidFraction] = eps;
+    s[kSizeRatio] = y;
+    if (A) {
+      const double volume = sphere_volume(p.radius[i]);
+      for (int d = 0; d < 3; ++d) s[kPressureForce + d] = volume * out[Reader::kResidual + d];
     }
+    batch.add(i, eps, slip, eps * rho_per_mu * slip * diameter, y);
+    if (batch.full()) finish_batch();
   });
+  finish_batch();
+  mine.momentum = std::max(mine.momentum, extremes_.mass * std::sqrt(mine.flux2));
   for (int i : leaving_) set_outside(p, i);
   double largest[6] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number, mine.follow, mine.speed2},
          all[6];

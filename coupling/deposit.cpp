@@ -48,6 +48,8 @@ void VolumeDeposit::operator()(const Particles& p, const std::vector<int>& who, 
   sum_.fill(0);
   if (kind_ == Deposit::kExact) {
     for (int i : who) intersect_sphere(p.x[i], p.radius[i], scale_.quantise(sphere_volume(p.radius[i])));
+  } else if (kind_ == Deposit::kTrilinear) {
+    for (int i : who) scatter(window_.corners(p.x[i]), scale_.quantise(sphere_volume(p.radius[i])), sum_);
   } else {
     Stencil s;
     for (int i : who) {

@@ -21,10 +21,15 @@
 
 namespace twogrid {
 
+constexpr int kDragBatch = 8;
+
 struct DragLaw {
   const char* name;                              ///< the word after `fix_modify ID drag`
   double (*F)(double eps, double Re, double y);  ///< see above
-  const char* reference;                         ///< author, year, equation
+  /// F of n particles at once, n a multiple of kDragBatch: to some units in the last place the same, and the same
+  /// whatever the place of a particle in the arrays.
+  void (*F_of)(int n, const double* eps, const double* Re, const double* y, double* F);
+  const char* reference;  ///< author, year, equation
 };
 
 /// The law called `name`, or nullptr if there is none. Lives as long as the program.

@@ -66,37 +66,58 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
   }
 }
 
+namespace {
+
+/// node[I] += sum over its cells i of weight w_i u_i, or with kNormal over its r + 1 faces; fixed faces left out.
+/// Widths start with the first node's first cell (kNormal: face).
+template <bool kNormal>
+void add_row(int nodes, int r, double weight, const double* width, const double* u, const FaceState* state,
+             double* node) {
+  const int faces = kNormal ? r + 1 : r;
+  if (r == 1) {
+    for (int I = 0; I < nodes; ++I)
+      for (int i = 0; i < (kNormal ? 2 : 1); ++i)
+        node[I] += state[I + i] == FaceState::kSolved ? weight * width[I * (kNormal ? 2 : 1) + i] * u[I + i] : 0.0;
+    return;
+  }
+  for (int I = 0; I < nodes; ++I, width += faces, u += r, state += r) {
+    double sum = node[I];
+    for (int i = 0; i < faces; ++i) sum += state[i] == FaceState::kSolved ? weight * width[i] * u[i] : 0.0;
+    node[I] = sum;
+  }
+}
+
+}  // namespace
+
 void Map::mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGrid>>& node) const {
+  if (own_.empty()) return;
+  const int nodes = own_.size(0), r = grid_.ratio[0], first = own_.lo[0] * r;
   for (int d = 0; d < 3; ++d) {
     const Array3<FaceState>& state = fluid_->face_state(d);
-    const int r = grid_.ratio[d];
     const FaceComponent<FineGrid>& u = face[d];
-    CellField<ParticleGrid>& out = node[d];
-    for_each(own_, [&](int I, int J, int K) {
-      const double inverse = inverse_[d](I, J, K);
-      if (inverse == 0) {
-        out(I, J, K) = 0;
-        return;
-      }
-      Box b = grid_.block(I, J, K);
-      const Int3 node_index{I, J, K};
-      const double* half = &half_[d][std::size_t(node_index[d]) * (r + 1)];
-      double sum = 0;
-      const Int3 first = b.lo;
-      ++b.hi[d];
-      for (int k = b.lo[2]; k < b.hi[2]; ++k) {
-        const double wk = d == 2 ? half[k - first[2]] : fine_.axis[2].width(k);
-        for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-          const double wjk = wk * (d == 1 ? half[j - first[1]] : fine_.axis[1].width(j));
-          const std::ptrdiff_t mu = u.index(b.lo[0], j, k), ms = state.index(b.lo[0], j, k);
-          for (int i = 0; i < b.hi[0] - b.lo[0]; ++i) {
-            const double w = wjk * (d == 0 ? half[i] : fine_.axis[0].width(b.lo[0] + i));
-            if (state.data()[ms + i] == FaceState::kSolved) sum += w * u.data()[mu + i];
+    const int faces_x = d == 0 ? r + 1 : r;
+    const double* width_x = d == 0 ? &half_[0][std::size_t(own_.lo[0]) * faces_x] : &width_[0][first];
+    for (int K = own_.lo[2]; K < own_.hi[2]; ++K)
+      for (int J = own_.lo[1]; J < own_.hi[1]; ++J) {
+        const Box b = grid_.block(own_.lo[0], J, K);
+        double* const out = &node[d](own_.lo[0], J, K);
+        const double* const inverse = &inverse_[d].data()[inverse_[d].index(own_.lo[0], J, K)];
+        std::fill(out, out + nodes, 0.0);
+        for (int k = b.lo[2]; k < b.hi[2] + (d == 2); ++k) {
+          const double wk = d == 2 ? half_[2][std::size_t(K) * (grid_.ratio[2] + 1) + (k - b.lo[2])] : width_[2][k];
+          for (int j = b.lo[1]; j < b.hi[1] + (d == 1); ++j) {
+            const double wjk =
+                wk * (d == 1 ? half_[1][std::size_t(J) * (grid_.ratio[1] + 1) + (j - b.lo[1])] : width_[1][j]);
+            const double* row = &u.data()[u.index(first, j, k)];
+            const FaceState* fixed = &state.data()[state.index(first, j, k)];
+            if (d == 0)
+              add_row<true>(nodes, r, wjk, width_x, row, fixed, out);
+            else
+              add_row<false>(nodes, r, wjk, width_x, row, fixed, out);
           }
         }
+        for (int I = 0; I < nodes; ++I) out[I] *= inverse[I];
       }
-      out(I, J, K) = sum * inverse;
-    });
   }
 }
 

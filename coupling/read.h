@@ -39,6 +39,10 @@ class Reader {
     return window_field_[0].index(window_.span(0).find(x[0]), window_.span(1).find(x[1]), window_.span(2).find(x[2]));
   }
 
+  /// Whether a particle reads between node centres; then corners() stand for its weights.
+  bool linear() const { return window_.spread() == Spread::kLinear; }
+  Corners corners(const double x[3]) const { return window_.corners(x); }
+
   /// Makes these fields readable. Velocity and residual: own faces and a halo of one; eps: own nodes. Collective.
   void load(const FaceField<FineGrid>& velocity, const Array3<double>& eps);
   void load(const FaceField<FineGrid>& velocity, const Array3<double>& eps, const FaceField<FineGrid>& residual);
@@ -46,8 +50,8 @@ class Reader {
 
   enum Field { kVelocity = 0, kEps = 3, kResidual = 4, kFields = 7 };
   /// The first N fields at a particle, in the order of Field: 3 velocity, 4 and eps, 7 and residual.
-  template <int N>
-  void at(const Stencil& s, double* out) const {
+  template <int N, class Place>
+  void at(const Place& s, double* out) const {
     const double* field[N];
     for (int q = 0; q < N; ++q) field[q] = window_field_[q].data();
     gather<N>(s, window_field_[0], field, out);
@@ -61,7 +65,8 @@ class Reader {
   /// Reaction: three components and one coefficient.
   static constexpr int kReactions = 4;
   void clear_reaction();
-  void react(const Stencil& s, const std::array<long long, kReactions>& q) {
+  template <class Place>
+  void react(const Place& s, const std::array<long long, kReactions>& q) {
     for (int c = 0; c < kReactions; ++c) scatter(s, q[c], window_sum_[c]);
   }
   void react(std::ptrdiff_t node, const std::array<long long, kReactions>& q) {

@@ -31,15 +31,8 @@ double spline_integral(double s) {
 }
 
 void linear_weights(const Window::Span& a, double x, int& lo, int& n, double* w) {
-  const int i = a.find(x);
-  const int left = x < a.centre[i - a.lo] ? i - 1 : i;
-  if (left < a.lo || left + 1 >= a.hi) {
-    lo = i, n = 1, w[0] = 1;
-    return;
-  }
-  const double c0 = a.centre[left - a.lo], c1 = a.centre[left + 1 - a.lo];
-  lo = left, n = 2;
-  w[1] = (x - c0) / (c1 - c0);
+  n = a.between(x, lo, w[1]) ? 2 : 1;
+  lo += a.lo;
   w[0] = 1 - w[1];
 }
 

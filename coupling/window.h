@@ -50,11 +50,20 @@ class Window {
       if (!uniform) return find_stretched(x);
       int i = int(std::clamp((x - node[0]) * inverse_width, 0.0, n - 1.0));
       // Rounding of the product must not put x on the wrong side of a node.
-      while (i > 0 && x < node[i]) --i;
-      while (i + 1 < n && x >= node[i + 1]) ++i;
+      i += int(i + 1 < n && x >= node[i + 1]) - int(i > 0 && x < node[i]);
       return i + lo;
     }
     int find_stretched(double x) const;
+    /// The lower of the two nodes between whose centres x lies, from the window's first on; and the upper one's weight.
+    /// False: x lies beyond the outermost centre, the node is the only one.
+    bool between(double x, int& lower, double& w) const {
+      const int n = hi - lo, i = find(x) - lo;
+      const int left = i - int(x < centre[i]);
+      const bool both = left >= 0 && left + 1 < n;
+      lower = both ? left : i;
+      w = both ? (x - centre[left]) / (centre[left + 1] - centre[left]) : 0.0;
+      return both;
+    }
     double low(int i) const { return node[i - lo]; }
     double high(int i) const { return node[i + 1 - lo]; }
   };
@@ -81,6 +90,16 @@ class Window {
       return;
     }
     for (int d = 0; d < 3; ++d) s.lo[d] = span_[d].find(x[d]), s.n[d] = 1, s.w[d][0] = 1;
+  }
+
+  /// The same for kLinear.
+  Corners corners(const double x[3]) const {
+    Corners c;
+    int i[3];
+    c.upper = 0;
+    for (int d = 0; d < 3; ++d) c.upper |= int(span_[d].between(x[d], i[d], c.w[d])) << d;
+    c.at = i[0] + std::ptrdiff_t(box_.size(0)) * (i[1] + std::ptrdiff_t(box_.size(1)) * i[2]);
+    return c;
   }
 
   /// Window <- owners. Collective.
