@@ -118,13 +118,19 @@ struct PlainStep {
   Vec3 g;           ///< m/s2
 };
 
-template <bool kPressure>
+/// The rows of many particles' state don't fit into the nearest caches: they are asked for so many particles ahead.
+constexpr int kAhead = 8;
+
+template <bool kPressure, bool kWatched>
 inline int add_plain_forces(const Particles& p, const PlainStep& step, int* left) {
   const Four g{step.g[0], step.g[1], step.g[2], 0};
   int count = 0;
   for (int i = 0; i < p.n; ++i) {
     if (!p.takes_part(i)) continue;
     double* const s = p.state[i];
+    if (i + kAhead < p.n)
+      for (int line = kDecay; line >= (kWatched ? 0 : kFluidVelocity); line -= 7)
+        __builtin_prefetch(p.state[i + kAhead] + line, 1);
     const double b = s[kDragCoefficient], decay = s[kDecay];
     if (decay == 0) {
       left[count++] = i;
@@ -143,7 +149,7 @@ inline int add_plain_forces(const Particles& p, const PlainStep& step, int* left
     const Four impulse = received * step.dt;
     for (int d = 0; d < 3; ++d) {
       s[kImpulse + d] += impulse[d];
-      s[kDragForce + d] = drag[d];
+      if (kWatched) s[kDragForce + d] = drag[d];
       f[d] = force[d];
     }
   }
@@ -152,7 +158,9 @@ inline int add_plain_forces(const Particles& p, const PlainStep& step, int* left
 
 /// force() for particles of known decay; the indices of the others go to left[], their number is returned.
 TWOGRID_VECTORISED int add_plain_forces(const Particles& p, const PlainStep& step, bool pressure, int* left) {
-  return pressure ? add_plain_forces<true>(p, step, left) : add_plain_forces<false>(p, step, left);
+  if (p.watched)
+    return pressure ? add_plain_forces<true, true>(p, step, left) : add_plain_forces<false, true>(p, step, left);
+  return pressure ? add_plain_forces<true, false>(p, step, left) : add_plain_forces<false, false>(p, step, left);
 }
 
 Box grown_unless_empty(const Box& b, int g) {

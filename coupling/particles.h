@@ -6,7 +6,7 @@ namespace twogrid {
 /// Columns of the state that the coupling keeps with every particle. It migrates and restarts with the particle; a new
 /// particle's state is all zero. The first ten columns are, in this order, what a user sees as the per-atom array f_ID.
 enum ParticleColumn {
-  kDragForce = 0,         ///< 0-2 drag of the current step (N)
+  kDragForce = 0,         ///< 0-2 drag of the current step (N), where Particles::watched
   kPressureForce = 3,     ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B
   kVoidFraction = 6,      ///< 6 eps at the particle
   kFluidVelocity = 7,     ///< 7-9 u read at the last coupling (m/s)
@@ -36,6 +36,7 @@ struct Particles {
   int moving = ~0;                 ///< groups whose velocity is integrated; the other particles are held in place
   int frozen = 0;                  ///< groups that are held in place all the same
   bool still = false;              ///< no particle of any rank moves
+  bool watched = true;             ///< someone looks at the drag of this step; always so in set-up and where still
   double* const* state = nullptr;  ///< state[i][ParticleColumn]
   double period[3] = {0, 0, 0};    ///< of the box in its periodic directions (m), else 0
 

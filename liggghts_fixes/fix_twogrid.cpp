@@ -25,6 +25,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <iterator>
@@ -226,10 +227,31 @@ void FixTwogrid::find_motion() {
   if (moving_groups_ & 1) moving_groups_ = ~0;  // group all
 }
 
+/// Whether something may look at per-atom values between outputs: any fix that isn't known not to.
+void FixTwogrid::find_watchers() {
+  static const char* const blind[] = {"twogrid",
+                                      "nve/sphere",
+                                      "gravity",
+                                      "wall/gran",
+                                      "freeze",
+                                      "property/",
+                                      "contacthistory",
+                                      "particletemplate/",
+                                      "insert/",
+                                      "contactproperty/",
+                                      "particledistribution/"};
+  watchers_ = false;
+  for (int f = 0; f < modify->nfix; ++f)
+    watchers_ |= std::none_of(std::begin(blind), std::end(blind), [&](const char* style) {
+      return std::strncmp(modify->fix[f]->style, style, std::strlen(style)) == 0;
+    });
+}
+
 void FixTwogrid::init() {
   guarded([&] {
     refuse_what_cannot_be_served();
     find_motion();
+    find_watchers();
     if (!(update->dt > 0)) refuse("timestep", text(update->dt), "a DEM step above 0 (s)");
     if (!fluid_) build();
     coupling_->set_gravity(scene_facts(*lmp, groupbit).gravity);
@@ -326,6 +348,8 @@ Particles FixTwogrid::particles() {
   p.moving = moving_groups_;
   p.frozen = frozen_groups_;
   p.still = still_;
+  p.watched = watchers_ || still_ || update->ntimestep == output->next || update->ntimestep == update->laststep ||
+              (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_);
   p.state = state_->array_atom;
   for (int d = 0; d < 3; ++d)
     if (domain->periodicity[d]) p.period[d] = domain->prd[d];

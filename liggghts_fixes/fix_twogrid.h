@@ -66,6 +66,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   double equal_style(const std::string& variable, const std::string& keyword) const;
   void resolve_names();
   void find_motion();
+  void find_watchers();
   void build();
   Layout fluid_layout(const FineGrid& grid) const;
   double reach() const;
@@ -93,6 +94,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   bool coupled_now_ = false;  // this step is a coupling
   int moving_groups_ = ~0, frozen_groups_ = 0;
   bool still_ = false;        // no fix of this run moves particles
+  bool watchers_ = true;      // see find_watchers()
   bool quiet_ = false;        // this step changes nothing
   double last_interval_ = 0;  // s, of the last coupling
   long long next_frame_ = 0;  // step from which on a frame is due
