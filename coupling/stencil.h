@@ -23,7 +23,7 @@ struct Corners {
   /// What to add to `at` for the upper node of direction d.
   template <class T>
   std::ptrdiff_t up(const Array3<T>& shape, int d) const {
-    return upper >> d & 1 ? shape.stride(d) : 0;
+    return (upper >> d & 1) * shape.stride(d);
   }
 };
 
@@ -59,8 +59,7 @@ inline void scatter(const Corners& c, long long total, Array3<long long>& field)
     rest -= part;
   });
   std::ptrdiff_t largest = c.at;
-  for (int d = 0; d < 3; ++d)
-    if (c.w[d] > 0.5) largest += c.up(field, d);
+  for (int d = 0; d < 3; ++d) largest += int(c.w[d] > 0.5) * c.up(field, d);
   to[largest] += rest;
 }
 

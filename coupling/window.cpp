@@ -92,6 +92,8 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
     for (int i = s.lo; i <= s.hi; ++i) s.node.push_back(node_image(a, i));
     for (int i = 0; i < s.hi - s.lo; ++i) s.centre.push_back(0.5 * (s.node[i] + s.node[i + 1]));
     if (!a.periodic() && s.hi == a.n()) s.node.back() = a.hi();
+    s.edge = s.node;
+    s.edge.front() = -HUGE_VAL, s.edge.back() = HUGE_VAL;
     s.domain_lo = a.lo(), s.domain_hi = a.hi();
     const double slack = 1e-6 * a.length() / a.n();
     s.x_lo = region.lo[d] - region.reach - slack, s.x_hi = region.hi[d] + region.reach + slack;

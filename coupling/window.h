@@ -38,6 +38,7 @@ class Window {
   struct Span {
     int lo = 0, hi = 0;          ///< nodes [lo, hi)
     std::vector<double> node;    ///< low sides, and the high side of the last: hi - lo + 1
+    std::vector<double> edge;    ///< the same, minus and plus infinity for the first and last
     std::vector<double> centre;  ///< hi - lo
     double domain_lo = 0, domain_hi = 0;
     double x_lo = 0, x_hi = 0;  ///< where this rank's particles may be
@@ -46,12 +47,11 @@ class Window {
 
     /// Index of the node that holds x, lo <= x < hi; the outermost node of the window where x lies beyond.
     int find(double x) const {
-      const int n = hi - lo;
       if (!uniform) return find_stretched(x);
-      int i = int(std::clamp((x - node[0]) * inverse_width, 0.0, n - 1.0));
-      // Rounding of the product must not put x on the wrong side of a node.
-      i += int(i + 1 < n && x >= node[i + 1]) - int(i > 0 && x < node[i]);
-      return i + lo;
+      const double last = hi - lo - 1;
+      const int i = int(std::min(std::max((x - node[0]) * inverse_width, 0.0), last));
+      // Rounding of the product must not put x on the wrong side of a node. (No branches: they can't be foreseen.)
+      return i + lo + int(x >= edge[i + 1]) - int(x < edge[i]);
     }
     int find_stretched(double x) const;
     /// The lower of the two nodes between whose centres x lies, from the window's first on; and the upper one's weight.
@@ -59,7 +59,7 @@ class Window {
     bool between(double x, int& lower, double& w) const {
       const int n = hi - lo, i = find(x) - lo;
       const int left = i - int(x < centre[i]);
-      const bool both = left >= 0 && left + 1 < n;
+      const bool both = (left >= 0) & (left + 1 < n);
       lower = both ? left : i;
       w = both ? (x - centre[left]) / (centre[left + 1] - centre[left]) : 0.0;
       return both;
