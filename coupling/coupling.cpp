@@ -213,7 +213,7 @@ class Coupling::Impl {
   void forces(Particles& p, double dem_dt, bool accumulate);
   void plain_forces(Particles& p, double dem_dt);
   void find_decay(Particles& p, double dem_dt);
-  double plain_decay(double b, double mass) const;
+  double plain_decay(double b, double per_mass) const;
   template <bool kHolding, bool kHeld>
   void force_on(Particles& p, int i, double dem_dt, bool accumulate);
   bool formulation_A() const { return compiled::kFormulationA && settings_.formulation == Formulation::kA; }
@@ -787,20 +787,20 @@ void Coupling::Impl::read(Particles& p, double interval) {
     for (int l = 0; l < batch.n; ++l) {
       const int i = batch.i[l];
       double* const s = p.state[i];
-      const double eps = batch.eps[l], slip = batch.slip[l], m = p.mass[i];
+      const double eps = batch.eps[l], slip = batch.slip[l], m = p.mass[i], per_mass = 1 / m;
       const double b_A = mu_3pi * 2 * p.radius[i] * eps * batch.F[l], b_B = b_A / eps, b = A ? b_A : b_B;
       s[kDragCoefficient] = b;
-      s[kDecay] = plain_decay(b, m);
+      s[kDecay] = plain_decay(b, per_mass);
       s[kResponse] = b_B;
-      const double *const v = p.v[i], speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+      const double *const v = p.v[i], speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2], speed = std::sqrt(speed2);
       mine.speed2 = std::max(mine.speed2, speed2);
-      mine.momentum = std::max(mine.momentum, m * std::sqrt(speed2));
+      mine.momentum = std::max(mine.momentum, m * speed);
       mine.drag = std::max(mine.drag, b * slip);
       mine.drag_coefficient = std::max(mine.drag_coefficient, b);
       if (!held || !p.held(i)) {
-        const double rate = b_B / m;
+        const double rate = b_B * per_mass;
         mine.drag_number = std::max(mine.drag_number, rate * interval);
-        mine.follow = std::max(mine.follow, rate * read_length_ / (slip + std::sqrt(speed2) + 1e-300));
+        mine.follow = std::max(mine.follow, rate * read_length_ / (slip + speed + 1e-300));
       }
     }
     batch.n = 0;
@@ -961,12 +961,12 @@ void Coupling::Impl::plain_forces(Particles& p, double dem_dt) {
 void Coupling::Impl::find_decay(Particles& p, double dem_dt) {
   decay_dt_ = dem_dt;
   for (int i = 0; i < p.n; ++i)
-    if (p.takes_part(i)) p.state[i][kDecay] = plain_decay(p.state[i][kDragCoefficient], p.mass[i]);
+    if (p.takes_part(i)) p.state[i][kDecay] = plain_decay(p.state[i][kDragCoefficient], 1 / p.mass[i]);
 }
 
 /// phi(k) of a step for plain_forces(); 0 where it has to look closer.
-double Coupling::Impl::plain_decay(double b, double mass) const {
-  const double k = b * decay_dt_ / mass;
+double Coupling::Impl::plain_decay(double b, double per_mass) const {
+  const double k = b * decay_dt_ * per_mass;
   return b > 0 && k <= kStiff ? mean_decay_series(k) : 0.0;
 }
 

@@ -12,12 +12,12 @@
 
 namespace twogrid {
 
-/// Neumaier's compensated sum.
+/// Compensated sum; what an addition loses is found without a branch (Knuth, The Art of Computer Programming 2, 4.2.2).
 class Sum {
  public:
   void operator+=(double x) {
-    const double t = sum_ + x;
-    rest_ += std::abs(sum_) >= std::abs(x) ? (sum_ - t) + x : (x - t) + sum_;
+    const double t = sum_ + x, seen = t - sum_;
+    rest_ += (sum_ - (t - seen)) + (x - seen);
     sum_ = t;
   }
   double value() const { return sum_ + rest_; }

@@ -58,6 +58,17 @@ struct Drift {
   bool radius_changed;  ///< of any of them
 };
 
+/// Particles sorted by bins; three more are readable behind the last.
+struct Binned {
+  const double *x, *y, *z, *r;
+  const int* index;
+};
+/// Pairs of sphere i with spheres of higher index whose distance is at most (r_i + r_j) factor + skin.
+struct Reach {
+  double x, y, z, r, factor, skin;
+  int i;
+};
+
 /// Half a step of motion: v += h f/m, omega += h torque/I, and between them x += dt v if there is a dt.
 struct HalfStep {
   double h;            ///< s, half the step
@@ -75,6 +86,8 @@ struct ContactKernel {
   Drift (*pack)(const Spheres& s, double* packed, const double* before);
   /// Of a row of neighbours j of sphere i those nearer than gap (m); returns their number, places in near[].
   int (*near_pairs)(const double* packed, int i, const int* j, int n, double gap, int* near);
+  /// Of the binned particles [first, last) those within reach, by index in their order; room for four more in found[].
+  int (*neighbours)(const Binned& b, int first, int last, const Reach& reach, int* found);
   /// Places of the pairs in contact; n a multiple of 4. Returns their number.
   int (*touching)(const double* packed, const NearPair* pairs, int n, int* contacts);
   void (*contact_forces)(const Spheres& s, const ContactStep& step, const double* packed, const NearPair* pairs,

@@ -92,6 +92,23 @@ int near_pairs(const double* packed, int i, const int* j, int n, double gap, int
   return found;
 }
 
+int neighbours(const Binned& b, int first, int last, const Reach& reach, int* found) {
+  int n = 0;
+  for (int k = first; k < last; k += 4) {
+    const V dx = reach.x - load(b.x + k), dy = reach.y - load(b.y + k), dz = reach.z - load(b.z + k);
+    const V most = (reach.r + load(b.r + k)) * reach.factor + reach.skin;
+    const M near = dx * dx + dy * dy + dz * dz <= most * most;
+    if (!any(near)) continue;
+    const int end = last - k < 4 ? last - k : 4;
+    for (int l = 0; l < end; ++l) {
+      const int j = b.index[k + l];
+      found[n] = j;
+      n += near[l] && j > reach.i;
+    }
+  }
+  return n;
+}
+
 int touching(const double* packed, const NearPair* pairs, int n, int* contacts) {
   int found = 0;
   for (int k = 0; k < n; k += 4) {

@@ -13,6 +13,7 @@
 #include "fix_twogrid.h"
 #include "fix_weight.h"
 #include "granular_contacts.h"
+#include "neighbours.h"
 
 namespace {
 
@@ -79,6 +80,7 @@ void register_particles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel) {
   stock_wall = fixes["wall/gran"];
   fixes["wall/gran"] = make_wall;
   register_contacts(*contact_kernel);
+  replace_neighbour_lists(lammps, *contact_kernel);
 }
 
 void register_styles(LAMMPS_NS::LAMMPS& lammps) {

@@ -1,0 +1,42 @@
+// LIGGGHTS' Neighbor with a faster way to find the pairs of spheres: the same pairs in the same order, with the same
+// history, in LIGGGHTS' own lists.
+#pragma once
+
+#include <neighbor.h>
+
+#include <vector>
+
+#include "contact_kernel.h"
+
+namespace twogrid {
+
+class Neighbours : public LAMMPS_NS::Neighbor {
+ public:
+  Neighbours(LAMMPS_NS::LAMMPS* lammps, const ContactKernel& kernel) : Neighbor(lammps), kernel_(kernel) {}
+
+ protected:
+  /// LIGGGHTS chooses; where that is granular_bin_no_newton, find_pairs() takes its place.
+  void choose_build(int index, LAMMPS_NS::NeighRequest* request) override;
+
+ private:
+  void find_pairs(LAMMPS_NS::NeighList* list);
+  void sort_by_bins();
+  void find_runs(const LAMMPS_NS::NeighList& list);
+
+  /// Bins of a stencil that lie side by side in x.
+  struct Run {
+    int first, bins;  // from a sphere's own bin on
+  };
+
+  const ContactKernel& kernel_;
+  std::vector<double> x_, y_, z_, r_;  // own particles and ghosts in the order of bins; three more, never near
+  std::vector<int> index_;             // their indices
+  std::vector<int> start_, bin_;       // first place of each bin, and the end; bin of each particle
+  std::vector<Run> runs_;
+  std::vector<int> found_;
+};
+
+/// From here on LIGGGHTS finds pairs by it. Call right after LIGGGHTS is made.
+void replace_neighbour_lists(LAMMPS_NS::LAMMPS& lammps, const ContactKernel& kernel);
+
+}  // namespace twogrid
