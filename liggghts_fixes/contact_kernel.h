@@ -63,6 +63,10 @@ struct Binned {
   const double *x, *y, *z, *r;
   const int* index;
 };
+/// Bins that lie side by side: their number, and how far the first is from a sphere's own bin.
+struct BinRun {
+  int first, bins;
+};
 /// Pairs of sphere i with spheres of higher index whose distance is at most (r_i + r_j) factor + skin.
 struct Reach {
   double x, y, z, r, factor, skin;
@@ -86,8 +90,9 @@ struct ContactKernel {
   Drift (*pack)(const Spheres& s, double* packed, const double* before);
   /// Of a row of neighbours j of sphere i those nearer than gap (m); returns their number, places in near[].
   int (*near_pairs)(const double* packed, int i, const int* j, int n, double gap, int* near);
-  /// Of the binned particles [first, last) those within reach, by index in their order; room for four more in found[].
-  int (*neighbours)(const Binned& b, int first, int last, const Reach& reach, int* found);
+  /// Of the particles in runs of bins those within reach, by index in their order; room for four more in found[].
+  /// start[b]: first place of bin b, counted from the sphere's own.
+  int (*neighbours)(const Binned& b, const int* start, const BinRun* runs, int count, const Reach& reach, int* found);
   /// Places of the pairs in contact; n a multiple of 4. Returns their number.
   int (*touching)(const double* packed, const NearPair* pairs, int n, int* contacts);
   void (*contact_forces)(const Spheres& s, const ContactStep& step, const double* packed, const NearPair* pairs,

@@ -15,6 +15,9 @@ typedef long long M __attribute__((vector_size(32)));
 /// LIGGGHTS' flags of contact models that have seen the pair touch: normal and tangential.
 constexpr int kTouched = 1 | 4;
 
+typedef int I4 __attribute__((vector_size(16)));
+typedef float F4 __attribute__((vector_size(16)));
+
 inline V load(const double* p) {
   V v;
   __builtin_memcpy(&v, p, sizeof v);
@@ -37,8 +40,21 @@ inline V root(V a) {
   for (int l = 0; l < 4; ++l) r[l] = __builtin_sqrt(a[l]);
   return r;
 }
-inline bool any(M m) {
-  return (m[0] | m[1] | m[2] | m[3]) != 0;
+/// Bit l: lane l of a comparison holds.
+inline int bits(M m) {
+#if defined(__AVX__)
+  return __builtin_ia32_movmskpd256((V)m);
+#else
+  return int(m[0] & 1) | int(m[1] & 2) | int(m[2] & 4) | int(m[3] & 8);
+#endif
+}
+
+inline int bits(I4 m) {
+#if defined(__AVX__)
+  return __builtin_ia32_movmskps((F4)m);
+#else
+  return (m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8);
+#endif
 }
 
 /// Four vectors of four become their transpose.
@@ -92,18 +108,25 @@ int near_pairs(const double* packed, int i, const int* j, int n, double gap, int
   return found;
 }
 
-int neighbours(const Binned& b, int first, int last, const Reach& reach, int* found) {
+/// [bits]: the lanes of these bits, in order, then any.
+constexpr I4 kFront[16] = {{0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {2, 0, 0, 0}, {0, 2, 0, 0},
+                           {1, 2, 0, 0}, {0, 1, 2, 0}, {3, 0, 0, 0}, {0, 3, 0, 0}, {1, 3, 0, 0}, {0, 1, 3, 0},
+                           {2, 3, 0, 0}, {0, 2, 3, 0}, {1, 2, 3, 0}, {0, 1, 2, 3}};
+
+int neighbours(const Binned& b, const int* start, const BinRun* runs, int count, const Reach& reach, int* found) {
   int n = 0;
-  for (int k = first; k < last; k += 4) {
-    const V dx = reach.x - load(b.x + k), dy = reach.y - load(b.y + k), dz = reach.z - load(b.z + k);
-    const V most = (reach.r + load(b.r + k)) * reach.factor + reach.skin;
-    const M near = dx * dx + dy * dy + dz * dz <= most * most;
-    if (!any(near)) continue;
-    const int end = last - k < 4 ? last - k : 4;
-    for (int l = 0; l < end; ++l) {
-      const int j = b.index[k + l];
-      found[n] = j;
-      n += near[l] && j > reach.i;
+  for (int run = 0; run < count; ++run) {
+    const int last = start[runs[run].first + runs[run].bins];
+    for (int k = start[runs[run].first]; k < last; k += 4) {
+      const V dx = reach.x - load(b.x + k), dy = reach.y - load(b.y + k), dz = reach.z - load(b.z + k);
+      const V most = (reach.r + load(b.r + k)) * reach.factor + reach.skin;
+      I4 j;
+      __builtin_memcpy(&j, b.index + k, sizeof j);
+      const int near = bits(dx * dx + dy * dy + dz * dz <= most * most) & bits(j > reach.i) &
+                       (last - k < 4 ? (1 << (last - k)) - 1 : 15);
+      j = __builtin_shuffle(j, kFront[near]);
+      __builtin_memcpy(found + n, &j, sizeof j);
+      n += __builtin_popcount(near);
     }
   }
   return n;
@@ -115,10 +138,10 @@ int touching(const double* packed, const NearPair* pairs, int n, int* contacts) 
     const NearPair* const p[4] = {pairs + k, pairs + k + 1, pairs + k + 2, pairs + k + 3};
     V radii;
     const V3 d = distance(packed, p, radii);
-    const M touch = dot(d, d) < radii * radii;
+    const int touch = bits(dot(d, d) < radii * radii);
     for (int l = 0; l < 4; ++l) {
       contacts[found] = k + l;
-      found -= int(touch[l]);
+      found += touch >> l & 1;
     }
   }
   return found;
@@ -181,7 +204,7 @@ inline void evaluate(const ContactStep& step, const Laws& law, const Four& c, V3
   const V stretched = law.kt * root(dot(spring, spring)), friction = law.mu * absolute(fn);
   const M slips = stretched > friction;
   const V3 damped{ft.x - eta_t * vt.x, ft.y - eta_t * vt.y, ft.z - eta_t * vt.z};
-  if (!any(slips)) {
+  if (!bits(slips)) {
     ft = damped;
     return;
   }

@@ -91,10 +91,8 @@ void Neighbours::find_pairs(NeighList* list) {
     if (!neighbours || !flags || !value) error->one(FLERR, "Neighbor list overflow, boost neigh_modify one");
     const double *const x = atom->x[i], r = atom->radius[i];
     const Reach reach{x[0], x[1], x[2], r, contactDistanceFactor, skin, i};
-    int n = 0;
-    for (const Run& run : runs_)
-      n += kernel_.neighbours(binned, start_[bin_[i] + run.first], start_[bin_[i] + run.first + run.bins], reach,
-                              found_.data() + n);
+    const int n =
+        kernel_.neighbours(binned, start_.data() + bin_[i], runs_.data(), int(runs_.size()), reach, found_.data());
     if (n > list->oneatom) error->one(FLERR, "Neighbor list overflow, boost neigh_modify one");
     list->firstneigh[i] = neighbours;
     springs.firstneigh[i] = flags;

@@ -23,16 +23,11 @@ class Neighbours : public LAMMPS_NS::Neighbor {
   void sort_by_bins();
   void find_runs(const LAMMPS_NS::NeighList& list);
 
-  /// Bins of a stencil that lie side by side in x.
-  struct Run {
-    int first, bins;  // from a sphere's own bin on
-  };
-
   const ContactKernel& kernel_;
   std::vector<double> x_, y_, z_, r_;  // own particles and ghosts in the order of bins; three more, never near
   std::vector<int> index_;             // their indices
   std::vector<int> start_, bin_;       // first place of each bin, and the end; bin of each particle
-  std::vector<Run> runs_;
+  std::vector<BinRun> runs_;           // of the stencil
   std::vector<int> found_;
 };
 
