@@ -44,23 +44,28 @@ class Fluid {
   virtual const Layout& layout() const = 0;
   virtual double density() const = 0;
   virtual double viscosity() const = 0;
-  /// Width of the halo of all fields returned below.
+  /// Width of the halo of all fields returned below, but for means: none in y or z where one cell lies between closed
+  /// sides. All have the box of void_fraction().
   static constexpr int kHalo = 2;
   /// State of each own face of direction d and of its halo.
   virtual const Array3<FaceState>& face_state(int d) const = 0;
   /// u (interstitial, m/s) now; halo filled across ranks and periodic sides.
   virtual const FaceField<FineGrid>& velocity() const = 0;
-  /// Mean of u over the last interval, as the implicit drag saw it; halo as above.
+  /// Mean of u over the last interval, as the implicit drag saw it, on all faces of own cells.
   virtual const FaceField<FineGrid>& mean_velocity() const = 0;
-  /// Mean of grad p (dynamic pressure, imposed gradient included) over the last interval, on own solved faces.
+  /// Mean of grad p (dynamic pressure, imposed gradient included) over the last interval, on own solved faces. Only
+  /// after keep_pressure_gradient().
   virtual const FaceField<FineGrid>& mean_pressure_gradient() const = 0;
+  /// From the next interval on the mean of grad p is wanted.
+  virtual void keep_pressure_gradient() {}
   virtual const CellField<FineGrid>& pressure() const = 0;
   virtual const CellField<FineGrid>& void_fraction() const = 0;
   virtual double time() const = 0;
-  /// eps u on own faces (m/s) and d(eps)/dt - q of own cells (1/s) as the continuity of the last step was solved; null
-  /// where a fluid doesn't keep them.
-  virtual const FaceField<FineGrid>* last_flux() const { return nullptr; }
-  virtual const CellField<FineGrid>* last_dilation() const { return nullptr; }
+  /// True where the fluid knows eps u of own faces (m/s) and d(eps)/dt - q of own cells (1/s) as the continuity of the
+  /// last step was solved.
+  virtual bool knows_last_step() const { return false; }
+  virtual double flux(int, int, int, int) const { return 0; }
+  virtual double dilation(int, int, int) const { return 0; }
 
   /// Sets eps of the initial state, and forgets history. Collective.
   virtual void start(const CellField<FineGrid>& eps) = 0;

@@ -215,10 +215,13 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
   int rank = 0;
   MPI_Comm_rank(comm_, &rank);
   const Box own_nodes = node_layout(fluid.layout(), nodes_).cells(rank);
-  history_ = VoidHistory(grown_unless_empty(fluid.layout().cells(rank), Fluid::kHalo), settings_.interpolate);
+  history_ = VoidHistory(fluid.void_fraction().box(), settings_.interpolate);
   solid_.reset(own_nodes);
   eps_node_.reset(grown_unless_empty(own_nodes, 1), 1.0);
-  if (formulation_A()) residual_ = Residual(comm_, fluid_);
+  if (formulation_A()) {
+    residual_ = Residual(comm_, fluid_);
+    fluid_.keep_pressure_gradient();
+  }
   read_length_ = read_width(settings_);
   if (read_length_ == 0) read_length_ = narrowest(reader_.map().grid());
   cell_width_ = narrowest(nodes_);
