@@ -8,6 +8,14 @@
 
 namespace twogrid {
 
+/// Values on own faces that are made row by row where they are used, in place of a field.
+class FaceRows {
+ public:
+  virtual ~FaceRows() = default;
+  /// Values of the faces normal to d from (i,j,k) to (i+n-1,j,k).
+  virtual void row(int d, int i, int j, int k, int n, double* out) const = 0;
+};
+
 /// What the particles do to the fluid during one interval. All fields cover own faces (cells) and may be left
 /// unallocated (size 0) where a part is absent: it then costs nothing. Momentum balance of the volume V_f of face f:
 ///   rho_f d(eps u)/dt + ... = - (1 - chi) grad p + source - beta u
@@ -18,7 +26,27 @@ struct Interphase {
   /// Particles were inserted or deleted: fluid has given or taken their place at the interval's begin, at its own
   /// velocity, and eps.begin is no longer the eps with which the last interval ended.
   bool replaced = false;
-  Vec3 particle_flux{0, 0, 0};  ///< mean of eps_s v over the domain (m/s); only for a given flow rate
+  Vec3 particle_flux{0, 0, 0};            ///< mean of eps_s v over the domain (m/s); only for a given flow rate
+  const FaceRows* source_rows = nullptr;  ///< in place of source
+  const FaceRows* beta_rows = nullptr;    ///< in place of beta
+
+  bool reacts() const { return source_rows || source[0].size() > 0; }
+  /// Row of source or beta as FaceRows::row() describes it: where it is held, or made in the given memory; null: none.
+  const double* source_row(int d, int i, int j, int k, int n, double* made) const {
+    return row_of(source[d], source_rows, d, i, j, k, n, made);
+  }
+  const double* beta_row(int d, int i, int j, int k, int n, double* made) const {
+    return row_of(beta[d], beta_rows, d, i, j, k, n, made);
+  }
+
+ private:
+  static const double* row_of(const Array3<double>& field, const FaceRows* rows, int d, int i, int j, int k, int n,
+                              double* made) {
+    if (field.size() > 0) return field.data() + field.index(i, j, k);
+    if (!rows) return nullptr;
+    rows->row(d, i, j, k, n, made);
+    return made;
+  }
 };
 
 /// Figures of one call of advance, the same on all ranks.

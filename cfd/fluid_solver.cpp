@@ -456,11 +456,11 @@ inline void FluidSolver::predict_component(const Step& step, const Interphase& e
 #pragma GCC ivdep
       for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
     }
-    if (const double* source = row_of(exchange.source[d], x)) {
+    if (const double* source = exchange.source_row(d, x[0], x[1], x[2], n, row_b_.data())) {
 #pragma GCC ivdep
       for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
     }
-    inertia_row(eps_f_[d].data() + m, row_of(exchange.beta[d], x), n, A);
+    inertia_row(eps_f_[d].data() + m, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
       const double V = row.volume(i);
@@ -517,7 +517,7 @@ inline void FluidSolver::conductance_component(const Interphase& exchange) {
     const RowMeasure<d> row(momentum_, x);
     const double* e = eps_f_[d].data() + m;
     double* __restrict g = conductance_[d].data() + m;
-    inertia_row(e, row_of(exchange.beta[d], x), n, A);
+    inertia_row(e, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
     for (int i = 0; i < n; ++i) g[i] = e[i] / A[i] * row.area(i) * row.inverse_width[i];
     if (const double* chi = row_of(exchange.chi[d], x))
       for (int i = 0; i < n; ++i) g[i] *= 1 - chi[i];

@@ -181,7 +181,7 @@ class FluidSolver : public Fluid {
   FaceField<FineGrid> mean_grad_p_;
   bool one_step_ = true, keep_grad_p_ = false;
   double velocity_scale_ = 0;                  // largest |eps u| (m/s)
-  mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row
+  mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row; made rows of the exchange are in row_b_
   double inlet_head_ = 0;  // own inlet faces: momentum flux through the first cells' centres less that entering, N
   bool implicit_viscosity_ = false;
 };

@@ -116,7 +116,7 @@ class PressureSolver::Impl {
   }
 
   int solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
-    if (b_store_.size() != own_.count()) b_store_.reset(own_);
+    if (!(b_store_.box() == own_)) b_store_.reset(own_);
     copy_rows(b, b_store_, own_);
     return solve(b_store_, phi, atol);
   }
@@ -142,7 +142,7 @@ class PressureSolver::Impl {
     load(phi, solution_);
     x_ = &phi;
     if (!(phi.box() == memory_)) {
-      if (x_store_.size() != memory_.count()) x_store_.reset(memory_);
+      if (!(x_store_.box() == memory_)) x_store_.reset(memory_);
       x_ = &x_store_;
     }
     clear_beyond_sides(*x_);
