@@ -164,8 +164,13 @@ class FluidSolver : public Fluid {
   Vec3 imposed_{0, 0, 0};              // G (Pa/m)
   int idle_steps_ = 0;                 // steps in a row that could have been longer
 
-  // Work. Memory: 21 values a cell and halo with the state above; the pressure solver adds 4 values and the multigrid's
-  // (36 bytes a cell and level) on own cells. Fields whose lives don't meet share memory.
+  // Work. Fields whose lives don't meet share memory. Doubles a cell, H: on own cells and the halo, else on own cells:
+  //   H  u_ 3, u_old_ 3, u_next_ 3, u_tilde_ 3, eps_f_ 3, eps_ 3, p_ 1, phi_ 1: together 20, and 3 bytes of face states
+  //      imbalance_ 1; pressure solver: solution 1, conjugate gradients 3; with it 36 bytes a cell of each multigrid
+  //      level and its halo of one (single precision; all levels: 1.4 to 1.7 times the finest)
+  //      only when asked for: mean_u_ 3 (intervals of several steps), mean_grad_p_ 3 (formulation A, accuracy)
+  //   H  in the coupling: VoidHistory 4; formulation A: Residual 3
+  //      in the coupling: source 3 where complete_drag() is at work; else values of the particle grid's cells only
   FaceField<FineGrid> eps_f_;                    // eps^n on faces
   FaceField<FineGrid> u_next_;                   // right-hand side of the predictor, u*, u^{n+1}
   FaceField<FineGrid> u_tilde_;                  // u~, until the predictor is done

@@ -151,6 +151,7 @@ inline void NodeSpread::fill_row(int i, int j, int k, int n, double* out) const 
 }
 
 void NodeSpread::row(int d, int i, int j, int k, int n, double* out) const {
+  if (n == 0) return;  // a rank without cells
   d == 0 ? fill_row<0>(i, j, k, n, out) : d == 1 ? fill_row<1>(i, j, k, n, out) : fill_row<2>(i, j, k, n, out);
   const Box& b = map_->faces_[d];
   if (!map_->may_be_fixed_[d][(j - b.lo[1]) + std::size_t(b.size(1)) * (k - b.lo[2])]) return;
