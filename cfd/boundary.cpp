@@ -67,7 +67,17 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
   int rank;
   MPI_Comm_rank(comm, &rank);
   const Box own = layout.cells(rank);
-  if (!own.empty()) local_ = own.grown(Fluid::kHalo);
+  for (int d = 0; d < 3; ++d) {
+    const Axis& axis = grid.axis[d];
+    if (axis.n() == 1 && !axis.periodic()) {
+      solved_[d] = false;
+      for (int side : {2 * d, 2 * d + 1})
+        for (const auto& c : settings.side[side])
+          solved_[d] = solved_[d] || c.kind == BoundaryKind::kPressure || c.kind == BoundaryKind::kInlet;
+    }
+    halo_[d] = d > 0 && !solved_[d] ? 0 : Fluid::kHalo;
+  }
+  if (!own.empty()) local_ = own.grown(halo_);
   for (int d = 0; d < 3; ++d) state_[d].reset(local_, FaceState::kSolved);
 
   std::array<std::vector<int>, 6> covered;
@@ -86,7 +96,7 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
     s.step = is_high(side) ? -1 : 1;
     const bool touches = !own.empty() && (is_high(side) ? own.hi[s.d] == axis.n() : own.lo[s.d] == 0);
     // A halo reaches the ghosts beyond a side over a neighbour that is one cell thick: they are needed there too.
-    s.here = !own.empty() && (is_high(side) ? local_.hi[s.d] > axis.n() : local_.lo[s.d] < 0);
+    s.here = touches || (!own.empty() && (is_high(side) ? local_.hi[s.d] > axis.n() : local_.lo[s.d] < 0));
     if (touches) {
       s.own = own;
       s.own.lo[s.d] = s.face;
@@ -133,16 +143,6 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
         throw std::invalid_argument(text.str());
       }
   }
-  for (int d = 0; d < 3; ++d) {
-    const Axis& axis = grid.axis[d];
-    if (axis.n() == 1 && !axis.periodic()) {
-      bool outlet = false;
-      for (int side : {2 * d, 2 * d + 1})
-        for (const auto& c : settings.side[side])
-          outlet = outlet || c.kind == BoundaryKind::kPressure || c.kind == BoundaryKind::kInlet;
-      solved_[d] = outlet;
-    }
-  }
   for (int side = 0; side < 6; ++side) {
     SideData& s = side_[side];
     if (!s.here) continue;
@@ -153,6 +153,7 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
         c[s.d] = s.face, c[s.e] = a, c[s.f] = b;
         const bool outlet = settings.side[side][s.condition[s.at(a, b)]].kind == BoundaryKind::kPressure;
         s.outlet[s.at(a, b)] = outlet;
+        if (outlet && s.outlet_pressure.empty()) s.outlet_pressure.assign(s.outlet.size(), 0.0);
         state_[s.d](c[0], c[1], c[2]) = outlet ? FaceState::kSolved : FaceState::kFixed;
       }
   }
@@ -278,22 +279,28 @@ void Boundaries::apply(FaceField<FineGrid>& u, bool homogeneous) const {
   }
 }
 
-void Boundaries::apply_pressure(CellField<FineGrid>& p, const FaceField<FineGrid>& u, double density) const {
+void Boundaries::set_outlet_pressure(const FaceField<FineGrid>& u, double density) {
   for (int side = 0; side < 6; ++side) {
-    const SideData& s = side_[side];
-    if (!s.here) continue;
-    const std::ptrdiff_t outwards = -s.step * p.stride(s.d), to_face = s.step < 0 ? p.stride(s.d) : 0;
-    double* v = p.data();
+    SideData& s = side_[side];
+    if (s.outlet_pressure.empty()) continue;
+    const std::ptrdiff_t to_face = s.step < 0 ? u[s.d].stride(s.d) : 0;
     const double* normal = u[s.d].data();
+    for_each_inner(s, u[s.d], [&](int m, std::ptrdiff_t in) {
+      if (!s.outlet[m]) return;
+      const double inward = s.step * normal[in + to_face];
+      s.outlet_pressure[m] =
+          settings_.side[side][s.condition[m]].pressure - (inward > 0 ? 0.5 * density * inward * inward : 0.0);
+    });
+  }
+}
+
+void Boundaries::apply_pressure(CellField<FineGrid>& p) const {
+  for (const SideData& s : side_) {
+    if (!s.here) continue;
+    const std::ptrdiff_t outwards = -s.step * p.stride(s.d);
+    double* v = p.data();
     for_each_inner(s, p, [&](int m, std::ptrdiff_t in) {
-      double ghost = v[in];
-      if (s.outlet[m]) {
-        const double inward = s.step * normal[in + to_face];
-        const double p_face =
-            settings_.side[side][s.condition[m]].pressure - (inward > 0 ? 0.5 * density * inward * inward : 0.0);
-        ghost = 2 * p_face - v[in];
-      }
-      v[in + outwards] = ghost;
+      v[in + outwards] = s.outlet[m] ? 2 * s.outlet_pressure[m] - v[in] : v[in];
     });
   }
 }

@@ -30,8 +30,12 @@ class Boundaries {
   const Array3<FaceState>& state(int d) const { return state_[d]; }
   /// True where some boundary face is a pressure outlet: p is then defined absolutely.
   bool open() const { return open_; }
-  /// One cell deep and not periodic: that component is not solved for, and not stored as a moving one.
+  /// One cell deep and closed on both sides: that component is not solved for, and nothing varies along it.
   bool component_solved(int d) const { return solved_[d]; }
+  /// Width of the fields' halo: that of Fluid, none in y or z where the component is not solved for.
+  const Int3& halo() const { return halo_; }
+  /// The rank's own cells and the halo: the box of all fields.
+  const Box& local() const { return local_; }
 
   /// Takes the inlet velocities that hold now (settings' velocity_now). Same on all ranks.
   void update();
@@ -40,9 +44,12 @@ class Boundaries {
   void apply(FaceField<FineGrid>& u, bool homogeneous = false) const;
   /// Sets normal velocities of prescribed faces only.
   void apply_normal(FaceField<FineGrid>& u, bool homogeneous = false) const;
-  /// Ghost cells so that (p_ghost - p_inner)/(distance of centres) is the gradient at an outlet face whose pressure is
-  /// the prescribed one, lowered by rho u^2/2 where fluid comes in (still surroundings). Elsewhere p_ghost = p_inner.
-  void apply_pressure(CellField<FineGrid>& p, const FaceField<FineGrid>& u, double density) const;
+  /// Pressures of the outlets' faces: the prescribed one, lowered by rho u^2/2 where fluid comes in (still
+  /// surroundings).
+  void set_outlet_pressure(const FaceField<FineGrid>& u, double density);
+  /// Ghost cells so that (p_ghost - p_inner)/(distance of centres) is the gradient at an outlet face of the pressure
+  /// set last. Elsewhere p_ghost = p_inner.
+  void apply_pressure(CellField<FineGrid>& p) const;
   /// The same for a correction phi: zero in an outlet's ghost, which stands for the face itself (half the distance).
   void apply_correction(CellField<FineGrid>& phi) const;
   /// eps on faces: sets prescribed inflow faces to 1 (an empty duct in front of them).
@@ -65,6 +72,7 @@ class Boundaries {
     int lo_e = 0, n_e = 0, lo_f = 0, n_f = 0;          // tangential range with halo
     std::vector<int> condition;                        // of every boundary face in the range
     std::vector<unsigned char> outlet;                 // 1: a pressure outlet
+    std::vector<double> outlet_pressure;               // Pa; empty on a side without outlets
     std::vector<double> profile;                       // factor on the inlet velocity
     std::vector<double> normal;                        // prescribed normal velocity
     std::array<std::vector<double>, 2> slope, offset;  // tangential ghost = slope * inner + offset, for e and f
@@ -80,7 +88,8 @@ class Boundaries {
 
   const FineGrid& grid_;
   const FluidSettings& settings_;
-  Box local_;  // own cells + halo
+  Int3 halo_;
+  Box local_;
   std::array<SideData, 6> side_;
   std::array<Array3<FaceState>, 3> state_;
   std::array<bool, 3> solved_{true, true, true};

@@ -43,7 +43,8 @@ inline Box intersect(const Box& a, const Box& b) {
   return c;
 }
 
-/// Values on a box, addressed by global index; i (x) varies fastest.
+/// Values on a box, addressed by global index; i (x) varies fastest. A box one index deep in y or z stands for all
+/// indices there: its neighbours in that direction are itself, and need no memory.
 template <class T>
 class Array3 {
  public:
@@ -52,8 +53,8 @@ class Array3 {
 
   void reset(const Box& box, T value = T{}) {
     box_ = box;
-    row_ = box.size(0);
-    slab_ = std::ptrdiff_t(row_) * box.size(1);
+    row_ = box.size(1) == 1 ? 0 : box.size(0);
+    slab_ = box.size(2) == 1 ? 0 : std::ptrdiff_t(box.size(0)) * box.size(1);
     data_.assign(box.count(), value);
     origin_ = -(box.lo[0] + std::ptrdiff_t(row_) * box.lo[1] + slab_ * box.lo[2]);
   }

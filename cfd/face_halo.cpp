@@ -8,9 +8,8 @@ namespace {
 
 constexpr int kTag = 4712;
 
-/// Memory index of a cell in an array over `own` grown by one.
-int memory_index(const Box& own, const Int3& c) {
-  const Box b = own.grown(1);
+/// Memory index of a cell in an array over the box b.
+int memory_index(const Box& b, const Int3& c) {
   return c[0] - b.lo[0] + b.size(0) * (c[1] - b.lo[1] + b.size(1) * (c[2] - b.lo[2]));
 }
 
@@ -27,11 +26,12 @@ Box layer_outside(const Box& own, int s) {
 
 }  // namespace
 
-FaceHalo::FaceHalo(MPI_Comm comm, const std::vector<Box>& owned, const Int3& n, const std::array<bool, 3>& periodic)
+FaceHalo::FaceHalo(MPI_Comm comm, const std::vector<Box>& owned, const Int3& n, const std::array<bool, 3>& periodic,
+                   const Int3& width)
     : comm_(comm) {
   int me = 0;
   MPI_Comm_rank(comm, &me);
-  const Box& mine = owned[me];
+  const Box &mine = owned[me], memory = mine.grown(width);
   // Calls f(owner's cell, cell in the halo) for all cells that `owner` gives to the halo of `seer`, in one fixed order.
   auto shared = [&](const Box& owner, const Box& seer, auto&& f) {
     if (owner.empty() || seer.empty()) return;
@@ -52,10 +52,10 @@ FaceHalo::FaceHalo(MPI_Comm comm, const std::vector<Box>& owned, const Int3& n, 
     p.rank = r;
     for (bool want_red : {true, false}) {
       shared(mine, owned[r], [&](const Int3& own, const Int3&) {
-        if (red(own) == want_red) p.give.push_back(memory_index(mine, own));
+        if (red(own) == want_red) p.give.push_back(memory_index(memory, own));
       });
       shared(owned[r], mine, [&](const Int3& own, const Int3& image) {
-        if (red(own) == want_red) p.take.push_back(memory_index(mine, image));
+        if (red(own) == want_red) p.take.push_back(memory_index(memory, image));
       });
       if (want_red) p.give_red = int(p.give.size()), p.take_red = int(p.take.size());
     }

@@ -22,8 +22,10 @@ class FaceHalo {
 
   FaceHalo() = default;
   /// All ranks give the same arguments. owned[r]: cells of rank r, of a grid of n cells. The arrays of the calls below
-  /// cover owned.grown(1); a rank that owns nothing may give empty ones.
-  FaceHalo(MPI_Comm comm, const std::vector<Box>& owned, const Int3& n, const std::array<bool, 3>& periodic);
+  /// cover owned.grown(width), width at least 1, or 0 where nothing lies beyond; a rank that owns nothing may give
+  /// empty ones.
+  FaceHalo(MPI_Comm comm, const std::vector<Box>& owned, const Int3& n, const std::array<bool, 3>& periodic,
+           const Int3& width = {1, 1, 1});
 
   /// Halo <- owners' values; beyond a side that is not periodic the halo is left alone. Collective among neighbours.
   template <class T>

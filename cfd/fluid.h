@@ -8,6 +8,14 @@
 
 namespace twogrid {
 
+/// Values on own faces that are made row by row where they are used, in place of a field.
+class FaceRows {
+ public:
+  virtual ~FaceRows() = default;
+  /// Values of the faces normal to d from (i,j,k) to (i+n-1,j,k).
+  virtual void row(int d, int i, int j, int k, int n, double* out) const = 0;
+};
+
 /// What the particles do to the fluid during one interval. All fields cover own faces (cells) and may be left
 /// unallocated (size 0) where a part is absent: it then costs nothing. Momentum balance of the volume V_f of face f:
 ///   rho_f d(eps u)/dt + ... = - (1 - chi) grad p + source - beta u
@@ -18,7 +26,27 @@ struct Interphase {
   /// Particles were inserted or deleted: fluid has given or taken their place at the interval's begin, at its own
   /// velocity, and eps.begin is no longer the eps with which the last interval ended.
   bool replaced = false;
-  Vec3 particle_flux{0, 0, 0};  ///< mean of eps_s v over the domain (m/s); only for a given flow rate
+  Vec3 particle_flux{0, 0, 0};            ///< mean of eps_s v over the domain (m/s); only for a given flow rate
+  const FaceRows* source_rows = nullptr;  ///< in place of source
+  const FaceRows* beta_rows = nullptr;    ///< in place of beta
+
+  bool reacts() const { return source_rows || source[0].size() > 0; }
+  /// Row of source or beta as FaceRows::row() describes it: where it is held, or made in the given memory; null: none.
+  const double* source_row(int d, int i, int j, int k, int n, double* made) const {
+    return row_of(source[d], source_rows, d, i, j, k, n, made);
+  }
+  const double* beta_row(int d, int i, int j, int k, int n, double* made) const {
+    return row_of(beta[d], beta_rows, d, i, j, k, n, made);
+  }
+
+ private:
+  static const double* row_of(const Array3<double>& field, const FaceRows* rows, int d, int i, int j, int k, int n,
+                              double* made) {
+    if (field.size() > 0) return field.data() + field.index(i, j, k);
+    if (!rows) return nullptr;
+    rows->row(d, i, j, k, n, made);
+    return made;
+  }
 };
 
 /// Figures of one call of advance, the same on all ranks.
@@ -44,23 +72,28 @@ class Fluid {
   virtual const Layout& layout() const = 0;
   virtual double density() const = 0;
   virtual double viscosity() const = 0;
-  /// Width of the halo of all fields returned below.
+  /// Width of the halo of all fields returned below, but for means: none in y or z where one cell lies between closed
+  /// sides. All have the box of void_fraction().
   static constexpr int kHalo = 2;
   /// State of each own face of direction d and of its halo.
   virtual const Array3<FaceState>& face_state(int d) const = 0;
   /// u (interstitial, m/s) now; halo filled across ranks and periodic sides.
   virtual const FaceField<FineGrid>& velocity() const = 0;
-  /// Mean of u over the last interval, as the implicit drag saw it; halo as above.
+  /// Mean of u over the last interval, as the implicit drag saw it, on all faces of own cells.
   virtual const FaceField<FineGrid>& mean_velocity() const = 0;
-  /// Mean of grad p (dynamic pressure, imposed gradient included) over the last interval, on own solved faces.
+  /// Mean of grad p (dynamic pressure, imposed gradient included) over the last interval, on own solved faces. Only
+  /// after keep_pressure_gradient().
   virtual const FaceField<FineGrid>& mean_pressure_gradient() const = 0;
+  /// From the next interval on the mean of grad p is wanted.
+  virtual void keep_pressure_gradient() {}
   virtual const CellField<FineGrid>& pressure() const = 0;
   virtual const CellField<FineGrid>& void_fraction() const = 0;
   virtual double time() const = 0;
-  /// eps u on own faces (m/s) and d(eps)/dt - q of own cells (1/s) as the continuity of the last step was solved; null
-  /// where a fluid doesn't keep them.
-  virtual const FaceField<FineGrid>* last_flux() const { return nullptr; }
-  virtual const CellField<FineGrid>* last_dilation() const { return nullptr; }
+  /// True where the fluid knows eps u of own faces (m/s) and d(eps)/dt - q of own cells (1/s) as the continuity of the
+  /// last step was solved.
+  virtual bool knows_last_step() const { return false; }
+  virtual double flux(int, int, int, int) const { return 0; }
+  virtual double dilation(int, int, int) const { return 0; }
 
   /// Sets eps of the initial state, and forgets history. Collective.
   virtual void start(const CellField<FineGrid>& eps) = 0;

@@ -29,9 +29,9 @@ int rank_of(MPI_Comm comm) {
   return r;
 }
 
-std::vector<Box> with_halo(const std::vector<Box>& cells) {
+std::vector<Box> with_halo(const std::vector<Box>& cells, const Int3& halo) {
   std::vector<Box> wanted;
-  for (const Box& b : cells) wanted.push_back(b.empty() ? Box{} : b.grown(Fluid::kHalo));
+  for (const Box& b : cells) wanted.push_back(b.empty() ? Box{} : b.grown(halo));
   return wanted;
 }
 
@@ -41,6 +41,13 @@ void reset(FaceField<FineGrid>& f, const Box& box) {
 
 void copy(const Array3<double>& from, Array3<double>& to, const Box& box) {
   for_each(box, [&](int i, int j, int k) { to(i, j, k) = from(i, j, k); });
+}
+
+/// All faces of the cells, in one box for the three directions.
+Box faces_around(const Box& own, const Int3& halo) {
+  Box b = own;
+  for (int d = 0; d < 3 && !own.empty(); ++d) b.hi[d] += std::min(halo[d], 1);
+  return b;
 }
 
 /// Measures of a row of faces normal to d, or of the cells above them, from (i,j,k) on.
@@ -78,14 +85,11 @@ TWOGRID_VECTORISED void extrapolate_values(std::size_t n, double r, const double
   for (std::size_t m = 0; m < n; ++m) out[m] = now[m] + r * (now[m] - old[m]);
 }
 
-TWOGRID_VECTORISED void multiply_values(std::size_t n, const double* a, const double* b, double* __restrict out) {
-  for (std::size_t m = 0; m < n; ++m) out[m] = a[m] * b[m];
-}
-
-TWOGRID_VECTORISED void void_fraction_at(const VoidFractionInTime& eps, double s, double interval, std::size_t n,
-                                         double* __restrict out) {
+/// From memory index `first` of the path's fields on.
+TWOGRID_VECTORISED void void_fraction_at(const VoidFractionInTime& eps, double s, double interval, std::ptrdiff_t first,
+                                         std::size_t n, double* __restrict out) {
   const VoidFractionInTime path = eps;
-  for (std::size_t m = 0; m < n; ++m) out[m] = path.at(std::ptrdiff_t(m), s, interval);
+  for (std::size_t m = 0; m < n; ++m) out[m] = path.at(first + std::ptrdiff_t(m), s, interval);
 }
 
 }  // namespace
@@ -97,25 +101,25 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
       layout_(layout),
       settings_(checked(settings, grid)),
       own_(layout.cells(rank_)),
-      local_(own_.empty() ? Box{} : own_.grown(kHalo)),
+      boundaries_(comm, grid_, layout_, settings_),
+      local_(boundaries_.local()),
       faces_{own_.empty() ? Box{} : layout.faces(0, rank_), own_.empty() ? Box{} : layout.faces(1, rank_),
              own_.empty() ? Box{} : layout.faces(2, rank_)},
-      boundaries_(comm, grid_, layout_, settings_),
       momentum_(grid_, own_, local_, faces_,
                 {boundaries_.component_solved(0), boundaries_.component_solved(1), boundaries_.component_solved(2)}),
       row_a_(local_.size(0)),
       row_b_(local_.size(0)) {
-  const auto wanted = with_halo(layout_.all_cells());
+  const auto wanted = with_halo(layout_.all_cells(), boundaries_.halo());
   cell_halo_ = BlockExchange(comm_, layout_.all_cells(), wanted, grid_.n(), grid_.periodic());
   for (int d = 0; d < 3; ++d)
     face_halo_[d] = BlockExchange(comm_, layout_.all_faces(d), wanted, grid_.n(), grid_.periodic());
-  pressure_solver_ = std::make_unique<PressureSolver>(comm_, grid_, layout_, settings_.pressure_rtol);
+  pressure_solver_ =
+      std::make_unique<PressureSolver>(comm_, grid_, layout_, settings_.pressure_rtol, boundaries_.halo());
 
-  for (auto* f : {&u_, &u_old_, &u_tilde_, &u_next_, &flux_, &rhs_, &inertia_, &conductance_, &mean_u_, &mean_grad_p_})
-    reset(*f, local_);
-  for (auto& level : eps_f_) reset(level, local_);
+  for (auto* f : {&u_, &u_old_, &u_tilde_, &u_next_, &eps_f_}) reset(*f, local_);
   for (auto& level : eps_) level.reset(local_, 1.0);
-  for (auto* c : {&p_, &phi_, &dilation_, &imbalance_}) c->reset(local_);
+  for (auto* c : {&p_, &phi_}) c->reset(local_);
+  imbalance_.reset(own_);
   imposed_ = settings_.pressure_gradient;
 }
 
@@ -127,10 +131,10 @@ void FluidSolver::fill(FaceField<FineGrid>& u, bool ghosts) const {
 }
 
 /// eps on the faces from that of the cells, halo filled.
-void FluidSolver::set_face_eps(int level) {
-  momentum_.face_mean(eps_[level], eps_f_[level]);
-  boundaries_.apply_face_eps(eps_f_[level]);
-  for (int d = 0; d < 3; ++d) face_halo_[d].bring<double>(eps_f_[level][d]);
+void FluidSolver::set_face_eps() {
+  momentum_.face_mean(eps_[0], eps_f_);
+  boundaries_.apply_face_eps(eps_f_);
+  for (int d = 0; d < 3; ++d) face_halo_[d].bring<double>(eps_f_[d]);
 }
 
 void FluidSolver::fill(CellField<FineGrid>& c) const {
@@ -140,10 +144,9 @@ void FluidSolver::fill(CellField<FineGrid>& c) const {
 void FluidSolver::start(const CellField<FineGrid>& eps) {
   time_ = 0;
   dt_previous_ = 0;
-  eps_[0] = eps;
-  set_face_eps(0);
+  copy(eps, eps_[0], local_);
+  set_face_eps();
   eps_[1] = eps_[0];
-  eps_f_[1] = eps_f_[0];
   p_.fill(0);
   phi_.fill(0);
   for (int d = 0; d < 3; ++d) u_[d].fill(boundaries_.component_solved(d) ? settings_.initial_velocity[d] : 0.0);
@@ -152,8 +155,8 @@ void FluidSolver::start(const CellField<FineGrid>& eps) {
   fill(u_);
   make_continuous();
   u_old_ = u_;
-  mean_u_ = u_;
-  reset(mean_grad_p_, local_);
+  one_step_ = true;
+  for (auto& g : mean_grad_p_) g.fill(0);
 }
 
 /// Adds u = U sin(kx x) cos(ky y), v = -U kx/ky cos(kx x) sin(ky y), one wavelength over the domain's x and y.
@@ -172,11 +175,8 @@ void FluidSolver::add_vortex() {
 /// Projects the initial u onto one that satisfies continuity with eps at rest: a run that starts with its inlets open
 /// then starts without the infinite pressure of an impulsive start.
 void FluidSolver::make_continuous() {
-  for (int d = 0; d < 3; ++d) {
-    u_next_[d] = u_[d];
-    const double* e = eps_f_[0][d].data();
-    for (std::size_t m = 0; m < inertia_[d].size(); ++m) inertia_[d].data()[m] = settings_.density * e[m];
-  }
+  for (int d = 0; d < 3; ++d) u_next_[d] = u_[d];
+  inertia_per_eps_ = settings_.density;
   FluidReport report;
   project(Step{1, 0, 1, -1, 0}, Interphase{}, report);
   correct();
@@ -194,15 +194,15 @@ void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const Cel
   fill(u_old_);
   copy(p, p_, own_);
   fill(p_);
-  eps_[0] = eps;
-  eps_[1] = eps_previous;
-  for (int level : {0, 1}) set_face_eps(level);
+  copy(eps, eps_[0], local_);
+  copy(eps_previous, eps_[1], local_);
+  set_face_eps();
 }
 
 FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
   FluidReport report;
   if (exchange.replaced) replace(*eps.begin);
-  for (int d = 0; d < 3; ++d) mean_u_[d].fill(0), mean_grad_p_[d].fill(0);
+  begin_means();
   double done = 0;
   while (done < interval * (1 - 1e-12)) {
     boundaries_.update();
@@ -239,7 +239,16 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
   return report;
 }
 
+void FluidSolver::begin_means() {
+  one_step_ = false;
+  for (auto& u : mean_u_) u.fill(0);
+  if (!keep_grad_p_) return;
+  if (mean_grad_p_[0].size() == 0) reset(mean_grad_p_, faces_around(own_, boundaries_.halo()));
+  for (auto& g : mean_grad_p_) g.fill(0);
+}
+
 FluidReport FluidSolver::advance_and_check(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
+  keep_grad_p_ = true;
   Saved begin = save();
   FluidReport report = advance(interval, eps, exchange);
   Saved end = save();
@@ -254,15 +263,16 @@ FluidReport FluidSolver::advance_and_check(double interval, const VoidFractionIn
 }
 
 FluidSolver::Saved FluidSolver::save() const {
-  return {time_, dt_previous_, velocity_scale_, imposed_,  u_,   u_old_, flux_, mean_u_, mean_grad_p_,
-          p_,    phi_,         dilation_,       response_, eps_, eps_f_};
+  return {time_,   dt_previous_, velocity_scale_, imposed_, one_step_, rate_,     u_,  u_old_,
+          mean_u_, mean_grad_p_, eps_f_,          p_,       phi_,      response_, eps_};
 }
 
 void FluidSolver::restore(Saved&& s) {
   time_ = s.time, dt_previous_ = s.dt_previous, velocity_scale_ = s.velocity_scale, imposed_ = s.imposed;
-  u_ = std::move(s.u), u_old_ = std::move(s.u_old), flux_ = std::move(s.flux);
+  one_step_ = s.one_step, rate_ = s.rate;
+  u_ = std::move(s.u), u_old_ = std::move(s.u_old);
   mean_u_ = std::move(s.mean_u), mean_grad_p_ = std::move(s.mean_grad_p);
-  p_ = std::move(s.p), phi_ = std::move(s.phi), dilation_ = std::move(s.dilation), response_ = std::move(s.response);
+  p_ = std::move(s.p), phi_ = std::move(s.phi), response_ = std::move(s.response);
   eps_ = std::move(s.eps), eps_f_ = std::move(s.eps_f);
 }
 
@@ -270,10 +280,9 @@ double FluidSolver::difference_from(const Saved& other) const {
   double sum[4] = {0, 0, 0, 0};  // (difference of eps u)^2, (eps u)^2; difference of grad p . grad p, (grad p)^2
   for (int d = 0; d < 3; ++d)
     for_each(faces_[d], [&](int i, int j, int k) {
-      const std::ptrdiff_t m = p_.index(i, j, k);
       const double V = momentum_.volume(d, i, j, k);
-      const double u = flux_[d].data()[m], g = mean_grad_p_[d].data()[m];
-      const double du = u - other.flux[d].data()[m], dg = g - other.mean_grad_p[d].data()[m];
+      const double u = flux(d, i, j, k), g = mean_grad_p_[d](i, j, k);
+      const double du = u - other.eps_f[d](i, j, k) * other.u[d](i, j, k), dg = g - other.mean_grad_p[d](i, j, k);
       sum[0] += V * du * du, sum[1] += V * u * u;
       sum[2] += V * dg * g, sum[3] += V * g * g;
     });
@@ -360,48 +369,37 @@ double FluidSolver::allowed_dt(double left, double interval) {
 void FluidSolver::next_level(const VoidFractionInTime& eps, double s, double interval) {
   std::swap(eps_[1], eps_[2]);
   std::swap(eps_[0], eps_[1]);
-  std::swap(eps_f_[1], eps_f_[2]);
-  std::swap(eps_f_[0], eps_f_[1]);
-  void_fraction_at(eps, s, interval, eps_[0].size(), eps_[0].data());
-  set_face_eps(0);
+  if (eps.begin->box() == local_)
+    void_fraction_at(eps, s, interval, 0, eps_[0].size(), eps_[0].data());
+  else
+    for (int k = local_.lo[2]; k < local_.hi[2]; ++k)
+      for (int j = local_.lo[1]; j < local_.hi[1]; ++j)
+        void_fraction_at(eps, s, interval, eps.begin->index(local_.lo[0], j, k), local_.size(0),
+                         eps_[0].data() + eps_[0].index(local_.lo[0], j, k));
+  set_face_eps();
 }
 
 /// What came or went changes eps at once, in the past levels too: no velocity follows from it.
 void FluidSolver::replace(const CellField<FineGrid>& now) {
-  double *e0 = eps_[0].data(), *e1 = eps_[1].data();
-  for (std::size_t m = 0; m < eps_[0].size(); ++m) {
-    const double change = now.data()[m] - e0[m];
-    e0[m] = now.data()[m];
-    e1[m] = std::max(e1[m] + change, 0.5 * std::min(e1[m], e0[m]));
-  }
-  for (int level : {0, 1}) set_face_eps(level);
+  for_each(local_, [&](int i, int j, int k) {
+    const std::ptrdiff_t m = p_.index(i, j, k);
+    double &e0 = eps_[0].data()[m], &e1 = eps_[1].data()[m];
+    const double change = now(i, j, k) - e0;
+    e0 = now(i, j, k);
+    e1 = std::max(e1 + change, 0.5 * std::min(e1, e0));
+  });
+  set_face_eps();
 }
 
 void FluidSolver::previous_level() {
   std::swap(eps_[0], eps_[1]);
   std::swap(eps_[1], eps_[2]);
-  std::swap(eps_f_[0], eps_f_[1]);
-  std::swap(eps_f_[1], eps_f_[2]);
 }
 
 void FluidSolver::extrapolate(const Step& step) {
-  // Beyond the sides of a direction that is left out nothing is read.
-  Box b = local_;
-  for (int d : {1, 2})
-    if (!boundaries_.component_solved(d)) b.lo[d] = own_.lo[d], b.hi[d] = own_.hi[d];
-  auto for_each_slab = [&](auto&& f) {
-    const std::size_t count = std::size_t(b.size(0)) * b.size(1);
-    for (int k = b.lo[2]; k < b.hi[2]; ++k) f(p_.index(b.lo[0], b.lo[1], k), count);
-  };
   for (int d = 0; d < 3; ++d)
-    for_each_slab([&](std::ptrdiff_t m, std::size_t n) {
-      extrapolate_values(n, step.r, u_[d].data() + m, u_old_[d].data() + m, u_tilde_[d].data() + m);
-    });
+    extrapolate_values(u_[d].size(), step.r, u_[d].data(), u_old_[d].data(), u_tilde_[d].data());
   boundaries_.apply(u_tilde_);
-  for (int d = 0; d < 3; ++d)
-    for_each_slab([&](std::ptrdiff_t m, std::size_t n) {
-      multiply_values(n, eps_f_[0][d].data() + m, u_tilde_[d].data() + m, flux_[d].data() + m);
-    });
 }
 
 bool FluidSolver::has(int side, BoundaryKind kind) const {
@@ -423,69 +421,88 @@ void FluidSolver::measure_inlet_head() {
       const int d = direction(side);
       Int3 in{i, j, k};
       if (is_high(side)) --in[d];
-      inlet_head_ +=
-          momentum_.convected_through(d, in[0], in[1], in[2], rho, flux_, eps_f_[0], u_tilde_, settings_.convection) -
-          rho * flux_[d](i, j, k) * u_tilde_[d](i, j, k) * grid_.area(d, i, j, k);
+      inlet_head_ += momentum_.convected_through(d, in[0], in[1], in[2], rho, eps_f_, u_tilde_, settings_.convection) -
+                     rho * (eps_f_[d](i, j, k) * u_tilde_[d](i, j, k)) * u_tilde_[d](i, j, k) * grid_.area(d, i, j, k);
     });
   }
 }
 
-/// On top of convection and viscosity in rhs_: pressure, history, exchange; then A and u*.
-template <int d>
-inline void FluidSolver::predict_component(const Step& step, const Interphase& exchange, double friction) {
-  const double rho = settings_.density, imposed = imposed_[d];
-  const double c0 = rho * step.a0 / step.dt, c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt;
-  const std::ptrdiff_t s = p_.stride(d);
-  const int n = faces_[d].size(0);
-  for_each_row(
-      faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
-        const RowMeasure<d> row(momentum_, x);
-        const double *p = p_.data() + m, *now = u_[d].data() + m, *old = u_old_[d].data() + m;
-        const double *e0 = eps_f_[0][d].data() + m, *e1 = eps_f_[1][d].data() + m, *e2 = eps_f_[2][d].data() + m;
-        double *__restrict o = rhs_[d].data() + m, *__restrict A = inertia_[d].data() + m,
-                       *__restrict next = u_next_[d].data() + m;
-        if (const double* chi = row_of(exchange.chi[d], x))
-          for (int i = 0; i < n; ++i)
-            o[i] -= (1 - chi[i]) * ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
-        else
-          for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
-        if (const double* source = row_of(exchange.source[d], x))
-          for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
-        for (int i = 0; i < n; ++i) A[i] = (c0 + friction) * e0[i];
-        if (const double* beta = row_of(exchange.beta[d], x))
-          for (int i = 0; i < n; ++i) A[i] += beta[i];
-#pragma GCC ivdep
-        for (int i = 0; i < n; ++i) {
-          const double V = row.volume(i);
-          o[i] -= (c1 * e1[i] * now[i] + c2 * e2[i] * old[i]) * V;
-          next[i] = o[i] / (A[i] * V);
-        }
-      });
+/// A of a row of faces.
+inline void FluidSolver::inertia_row(const double* e, const double* beta, int n, double* __restrict A) const {
+  for (int i = 0; i < n; ++i) A[i] = inertia_per_eps_ * e[i];
+  if (!beta) return;
+  for (int i = 0; i < n; ++i) A[i] += beta[i];
 }
 
-TWOGRID_VECTORISED void FluidSolver::predict_rows(const Step& step, const Interphase& exchange, double friction) {
-  if (boundaries_.component_solved(0)) predict_component<0>(step, exchange, friction);
-  if (boundaries_.component_solved(1)) predict_component<1>(step, exchange, friction);
-  if (boundaries_.component_solved(2)) predict_component<2>(step, exchange, friction);
+/// On top of convection and viscosity in rhs: pressure, history, exchange; then u*. rhs may be u_next_ itself.
+template <int d>
+inline void FluidSolver::predict_component(const Step& step, const Interphase& exchange, FaceField<FineGrid>& rhs) {
+  const double rho = settings_.density, imposed = imposed_[d];
+  const double c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt;
+  const std::ptrdiff_t s = p_.stride(d);
+  const int n = faces_[d].size(0);
+  double* __restrict A = row_a_.data();
+  for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+    const RowMeasure<d> row(momentum_, x);
+    const auto share = along_row<d>(momentum_.axis(d).above_share_, x[d] - momentum_.axis(d).lo);
+    const double *p = p_.data() + m, *now = u_[d].data() + m, *old = u_old_[d].data() + m;
+    const double *e1 = eps_[1].data() + m, *e2 = eps_[2].data() + m;
+    double *o = rhs[d].data() + m, *next = u_next_[d].data() + m;
+    if (const double* chi = row_of(exchange.chi[d], x)) {
+#pragma GCC ivdep
+      for (int i = 0; i < n; ++i)
+        o[i] -= (1 - chi[i]) * ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
+    } else {
+#pragma GCC ivdep
+      for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
+    }
+    if (const double* source = exchange.source_row(d, x[0], x[1], x[2], n, row_b_.data())) {
+#pragma GCC ivdep
+      for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
+    }
+    inertia_row(eps_f_[d].data() + m, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) {
+      const double V = row.volume(i);
+      // eps on the faces at the levels before: of prescribed faces not theirs, but those are set afterwards.
+      const double f1 = e1[i - s] + share[i] * (e1[i] - e1[i - s]), f2 = e2[i - s] + share[i] * (e2[i] - e2[i - s]);
+      const double sum = o[i] - (c1 * f1 * now[i] + c2 * f2 * old[i]) * V;
+      o[i] = sum;
+      next[i] = sum / (A[i] * V);
+    }
+    if (inertia_[d].size() > 0) std::copy_n(A, n, inertia_[d].data() + m);
+  });
+}
+
+TWOGRID_VECTORISED void FluidSolver::predict_rows(const Step& step, const Interphase& exchange,
+                                                  FaceField<FineGrid>& rhs) {
+  if (boundaries_.component_solved(0)) predict_component<0>(step, exchange, rhs);
+  if (boundaries_.component_solved(1)) predict_component<1>(step, exchange, rhs);
+  if (boundaries_.component_solved(2)) predict_component<2>(step, exchange, rhs);
 }
 
 void FluidSolver::predict(const Step& step, const Interphase& exchange) {
   const double rho = settings_.density, mu = settings_.viscosity;
-  for (auto& c : rhs_) c.fill(0);
-  momentum_.convect(rho, flux_, eps_f_[0], u_tilde_, settings_.convection, rhs_);
+  const bool implicit = implicit_viscosity_ && mu > 0;
+  if (implicit && inertia_[0].size() == 0) reset(rhs_, local_), reset(inertia_, local_);
+  FaceField<FineGrid>& rhs = implicit ? rhs_ : u_next_;
+  for (auto& c : rhs) c.fill(0);
+  momentum_.convect(rho, eps_f_, u_tilde_, settings_.convection, rhs);
   measure_inlet_head();
-  if (mu > 0 && !implicit_viscosity_) momentum_.viscous(mu, eps_[0], u_tilde_, rhs_);
-  boundaries_.apply_pressure(p_, u_tilde_, rho);
+  if (mu > 0 && !implicit_viscosity_) momentum_.viscous(mu, eps_[0], u_tilde_, rhs);
+  boundaries_.set_outlet_pressure(u_tilde_, rho);
+  boundaries_.apply_pressure(p_);
 
   const bool gap = compiled::kGapFriction && settings_.gap_friction;
   double friction = 0;  // of the walls of a one-cell gap, 12 mu/W^2
   for (int d = 0; gap && d < 3; ++d)
     if (!boundaries_.component_solved(d)) friction = 12 * mu / (grid_.axis[d].length() * grid_.axis[d].length());
-  predict_rows(step, exchange, friction);
+  inertia_per_eps_ = rho * step.a0 / step.dt + friction;
+  predict_rows(step, exchange, rhs);
   for (int d = 0; d < 3; ++d)
     if (!boundaries_.component_solved(d)) u_next_[d].fill(0);
   boundaries_.apply_normal(u_next_);
-  if (implicit_viscosity_ && mu > 0) {
+  if (implicit) {
     if (!viscous_solver_)
       viscous_solver_ = std::make_unique<ViscousSolver>(comm_, boundaries_, momentum_, faces_, local_, face_halo_);
     viscous_solver_->solve(mu, eps_[0], inertia_, rhs_, u_next_);
@@ -495,10 +512,12 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
 template <int d>
 inline void FluidSolver::conductance_component(const Interphase& exchange) {
   const int n = faces_[d].size(0);
+  double* __restrict A = row_a_.data();
   for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
     const RowMeasure<d> row(momentum_, x);
-    const double *e = eps_f_[0][d].data() + m, *A = inertia_[d].data() + m;
+    const double* e = eps_f_[d].data() + m;
     double* __restrict g = conductance_[d].data() + m;
+    inertia_row(e, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
     for (int i = 0; i < n; ++i) g[i] = e[i] / A[i] * row.area(i) * row.inverse_width[i];
     if (const double* chi = row_of(exchange.chi[d], x))
       for (int i = 0; i < n; ++i) g[i] *= 1 - chi[i];
@@ -506,6 +525,8 @@ inline void FluidSolver::conductance_component(const Interphase& exchange) {
 }
 
 TWOGRID_VECTORISED void FluidSolver::conductance_rows(const Interphase& exchange) {
+  for (int d = 0; d < 3; ++d)
+    if (!boundaries_.component_solved(d)) conductance_[d].fill(0);
   if (boundaries_.component_solved(0)) conductance_component<0>(exchange);
   if (boundaries_.component_solved(1)) conductance_component<1>(exchange);
   if (boundaries_.component_solved(2)) conductance_component<2>(exchange);
@@ -522,10 +543,10 @@ void FluidSolver::set_conductance(const Interphase& exchange) {
     });
 }
 
-/// imbalance_: what is missing in continuity, sum of eps u* A + (d(eps)/dt - q) V, and its sum; dilation_; scale: the
-/// largest |eps u*|.
-TWOGRID_VECTORISED void FluidSolver::missing_continuity(const Step& step, double& scale, double& sum) {
-  const double b0 = step.a0 / step.dt, b1 = step.a1 / step.dt, b2 = step.a2 / step.dt;
+/// imbalance_: what is missing in continuity, sum of eps u* A + (d(eps)/dt - q) V, and its sum; scale: the largest
+/// |eps u*|.
+TWOGRID_VECTORISED void FluidSolver::missing_continuity(double& scale, double& sum) {
+  const Rate rate = rate_;
   const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
   const int n = own_.size(0);
   double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
@@ -533,17 +554,17 @@ TWOGRID_VECTORISED void FluidSolver::missing_continuity(const Step& step, double
   for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
     const double* wx = &momentum_.axis(0).width_[q[0] - momentum_.axis(0).lo];
     const double wy = momentum_.axis(1).width(q[1]), wz = momentum_.axis(2).width(q[2]);
-    const double *e0 = eps_[0].data() + m, *e1 = eps_[1].data() + m, *e2 = eps_[2].data() + m;
-    double* __restrict dil = dilation_.data() + m, * __restrict b = imbalance_.data() + m;
-    for (int i = 0; i < n; ++i) dil[i] = b0 * e0[i] + b1 * e1[i] + b2 * e2[i];
-    const double *ex = eps_f_[0][0].data() + m, *ey = eps_f_[0][1].data() + m, *ez = eps_f_[0][2].data() + m;
+    double* __restrict b = imbalance_.data() + imbalance_.index(q[0], q[1], q[2]);
+    const double *ex = eps_f_[0].data() + m, *ey = eps_f_[1].data() + m, *ez = eps_f_[2].data() + m;
     const double *ux = u_next_[0].data() + m, *uy = u_next_[1].data() + m, *uz = u_next_[2].data() + m;
+    const double *e0 = eps_[0].data() + m, *e1 = eps_[1].data() + m, *e2 = eps_[2].data() + m;
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
       const double x0 = ex[i] * ux[i], x1 = ex[i + 1] * ux[i + 1];
       const double y0 = ey[i] * uy[i], y1 = ey[i + sy] * uy[i + sy];
       const double z0 = ez[i] * uz[i], z1 = ez[i + sz] * uz[i + sz];
-      b[i] = (x1 - x0) * (wy * wz) + (y1 - y0) * (wz * wx[i]) + (z1 - z0) * (wx[i] * wy) + dil[i] * (wx[i] * wy * wz);
+      const double dilation = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i];
+      b[i] = (x1 - x0) * (wy * wz) + (y1 - y0) * (wz * wx[i]) + (z1 - z0) * (wx[i] * wy) + dilation * (wx[i] * wy * wz);
       total[i] += b[i];
       const double x = std::max(std::abs(x0), std::abs(x1)), y = std::max(std::abs(y0), std::abs(y1)),
                    z = std::max(std::abs(z0), std::abs(z1));
@@ -559,7 +580,8 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
 
   set_conductance(exchange);
   double scale = 0, sum = 0;
-  missing_continuity(step, scale, sum);
+  rate_ = {step.a0 / step.dt, step.a1 / step.dt, step.a2 / step.dt, 0};
+  missing_continuity(scale, sum);
   double total_volume = 1;
   for (int d = 0; d < 3; ++d) total_volume *= grid_.axis[d].length();
   MPI_Allreduce(MPI_IN_PLACE, &scale, 1, MPI_DOUBLE, MPI_MAX, comm_);
@@ -567,12 +589,10 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
   if (!boundaries_.open()) {
     // A closed or periodic domain: what is left over is the round-off of the solid volume's conservation.
     MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
-    const double excess = sum / total_volume;
-    for_each(own_, [&](int i, int j, int k) {
-      dilation_(i, j, k) -= excess;
-      imbalance_(i, j, k) -= excess * grid_.volume(i, j, k);
-    });
+    rate_.excess = sum / total_volume;
+    for_each(own_, [&](int i, int j, int k) { imbalance_(i, j, k) -= rate_.excess * grid_.volume(i, j, k); });
   }
+  if (implicit_viscosity_) divergence_ = imbalance_;
   pressure_solver_->set_operator(conductance_, !boundaries_.open());
   // Continuity error wanted: |r| h/(U V) <= rtol in the root mean square over cells.
   const double cells = double(grid_.n()[0]) * grid_.n()[1] * grid_.n()[2];
@@ -592,7 +612,7 @@ inline void FluidSolver::correct_component() {
   const int n = faces_[d].size(0);
   for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
     const RowMeasure<d> row(momentum_, x);
-    const double *g = conductance_[d].data() + m, *e = eps_f_[0][d].data() + m, *f = phi_.data() + m;
+    const double *g = conductance_[d].data() + m, *e = eps_f_[d].data() + m, *f = phi_.data() + m;
     double* __restrict u = u_next_[d].data() + m;
     for (int i = 0; i < n; ++i) u[i] -= g[i] / (e[i] * row.area(i)) * (f[i] - f[i - s]);
   });
@@ -615,20 +635,19 @@ void FluidSolver::correct() {
 /// After everything that the fluid felt (p^n + phi) has been measured.
 void FluidSolver::rotate_pressure() {
   for_each(own_, [&](int i, int j, int k) {
-    p_(i, j, k) -= 4.0 / 3.0 * settings_.viscosity * imbalance_(i, j, k) / grid_.volume(i, j, k);
+    p_(i, j, k) -= 4.0 / 3.0 * settings_.viscosity * divergence_(i, j, k) / grid_.volume(i, j, k);
   });
   fill(p_);
-  boundaries_.apply_pressure(p_, u_tilde_, settings_.density);
+  boundaries_.apply_pressure(p_);
 }
 
 void FluidSolver::hold_flow_rate(const Interphase& exchange) {
   for (int d = 0; d < 3; ++d) {
     if (!settings_.flow_rate_set[d]) continue;
     // Potential that answers a unit mean gradient in d: div(g (grad chi + e_d)) = 0.
-    if (response_.size() == 0) response_.reset(local_), response_rhs_.reset(local_);
+    if (response_.size() == 0) response_.reset(local_), response_rhs_.reset(own_);
     const std::ptrdiff_t s = p_.stride(d);
-    FaceComponent<FineGrid>& g = conductance_[d];
-    face_halo_[d].bring<double>(g);
+    const FaceComponent<FineGrid>& g = conductance_[d];  // the pressure solver has filled its halo
     double total_volume = 1;
     for (int a = 0; a < 3; ++a) total_volume *= grid_.axis[a].length();
     double largest = 0;
@@ -636,8 +655,8 @@ void FluidSolver::hold_flow_rate(const Interphase& exchange) {
       const std::ptrdiff_t m = p_.index(i, j, k);
       const Int3 x{i, j, k};
       largest = std::max(largest, g.data()[m] * momentum_.axis(d).face_width(x[d]));
-      response_rhs_.data()[m] = -(g.data()[m + s] * momentum_.axis(d).face_width(x[d] + 1) -
-                                  g.data()[m] * momentum_.axis(d).face_width(x[d]));
+      response_rhs_(i, j, k) = -(g.data()[m + s] * momentum_.axis(d).face_width(x[d] + 1) -
+                                 g.data()[m] * momentum_.axis(d).face_width(x[d]));
     });
     // Where the conductance is uniform, what stands on the right is rounding alone.
     MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
@@ -653,7 +672,7 @@ void FluidSolver::hold_flow_rate(const Interphase& exchange) {
       const Int3 x{i, j, k};
       const double w = momentum_.axis(d).face_width(x[d]), A = grid_.area(d, i, j, k);
       const double answer = g.data()[m] * (w + response_.data()[m] - response_.data()[m - s]);  // m3/s per Pa/m
-      mean[0] += eps_f_[0][d].data()[m] * u_next_[d].data()[m] * A * w;
+      mean[0] += eps_f_[d].data()[m] * u_next_[d].data()[m] * A * w;
       mean[1] += answer * w;
     });
     MPI_Allreduce(MPI_IN_PLACE, mean.data(), 2, MPI_DOUBLE, MPI_SUM, comm_);
@@ -668,7 +687,7 @@ void FluidSolver::hold_flow_rate(const Interphase& exchange) {
         const double drop =
             response_.data()[m] - response_.data()[m - sc] + (c == d ? momentum_.axis(d).face_width(x[d]) : 0.0);
         u_next_[c].data()[m] -=
-            change * conductance_[c].data()[m] / (eps_f_[0][c].data()[m] * grid_.area(c, i, j, k)) * drop;
+            change * conductance_[c].data()[m] / (eps_f_[c].data()[m] * grid_.area(c, i, j, k)) * drop;
       });
     }
     for_each(own_, [&](int i, int j, int k) { phi_(i, j, k) += change * response_(i, j, k); });
@@ -684,19 +703,23 @@ inline void FluidSolver::add_gradient(double share) {
   for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
     const RowMeasure<d> row(momentum_, x);
     const double* p = p_.data() + m;
-    double* __restrict g = mean_grad_p_[d].data() + m;
+    double* __restrict g = mean_grad_p_[d].data() + mean_grad_p_[d].index(x[0], x[1], x[2]);
     for (int i = 0; i < n; ++i) g[i] += share * ((p[i] - p[i - s]) * row.inverse_width[i] + imposed);
   });
 }
 
-/// flux_ of the new state, and the state's share in the interval's means.
+/// The new state's share in the interval's means.
 TWOGRID_VECTORISED void FluidSolver::add_to_means(double share) {
-  for (int d = 0; d < 3; ++d) {
-    const double *u = u_[d].data(), *e = eps_f_[0][d].data();
-    double* __restrict f = flux_[d].data(), * __restrict mean = mean_u_[d].data();
-    const std::size_t n = u_[d].size();
-    for (std::size_t m = 0; m < n; ++m) f[m] = e[m] * u[m], mean[m] += share * u[m];
-  }
+  if (!one_step_)
+    for (int d = 0; d < 3; ++d) {
+      const int n = mean_u_[d].box().size(0);
+      for_each_row(mean_u_[d].box(), mean_u_[d], [&](const Int3& x, std::ptrdiff_t m) {
+        const double* u = u_[d].data() + u_[d].index(x[0], x[1], x[2]);
+        double* __restrict mean = mean_u_[d].data() + m;
+        for (int i = 0; i < n; ++i) mean[i] += share * u[i];
+      });
+    }
+  if (!keep_grad_p_) return;
   if (boundaries_.component_solved(0)) add_gradient<0>(share);
   if (boundaries_.component_solved(1)) add_gradient<1>(share);
   if (boundaries_.component_solved(2)) add_gradient<2>(share);
@@ -706,14 +729,18 @@ void FluidSolver::accept(const Step& step, double interval) {
   for_each(own_, [&](int i, int j, int k) { p_(i, j, k) += phi_(i, j, k); });
   for (int d = 0; d < 3; ++d) u_old_[d].swap(u_[d]), u_[d].swap(u_next_[d]);
   fill(p_);
-  boundaries_.apply_pressure(p_, u_tilde_, settings_.density);
-  add_to_means(step.dt / interval);
+  boundaries_.apply_pressure(p_);
+  const double share = step.dt / interval;
+  one_step_ = share == 1;
+  if (!one_step_ && mean_u_[0].size() == 0) reset(mean_u_, faces_around(own_, boundaries_.halo()));
+  add_to_means(share);
   time_ += step.dt;
   dt_previous_ = step.dt;
 }
 
 /// worst: largest |d(eps)/dt - q + div(eps u)| h; displaced: -integral of d(eps)/dt - q.
 TWOGRID_VECTORISED void FluidSolver::largest_imbalance(double& worst, double& displaced) const {
+  const Rate rate = rate_;
   const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
   const int n = own_.size(0);
   double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
@@ -723,13 +750,17 @@ TWOGRID_VECTORISED void FluidSolver::largest_imbalance(double& worst, double& di
     const double* ix = &momentum_.axis(0).inverse_width_[q[0] - momentum_.axis(0).lo];
     const double wy = momentum_.axis(1).width(q[1]), wz = momentum_.axis(2).width(q[2]);
     const double iy = 1 / wy, iz = 1 / wz, area = wy * wz, h = std::cbrt(area);
-    const double *fx = flux_[0].data() + m, *fy = flux_[1].data() + m, *fz = flux_[2].data() + m;
-    const double* dil = dilation_.data() + m;
+    const double *ex = eps_f_[0].data() + m, *ey = eps_f_[1].data() + m, *ez = eps_f_[2].data() + m;
+    const double *ux = u_[0].data() + m, *uy = u_[1].data() + m, *uz = u_[2].data() + m;
+    const double *e0 = eps_[0].data() + m, *e1 = eps_[1].data() + m, *e2 = eps_[2].data() + m;
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
-      const double r = (fx[i + 1] - fx[i]) * ix[i] + (fy[i + sy] - fy[i]) * iy + (fz[i + sz] - fz[i]) * iz + dil[i];
+      const double dilation = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i] - rate.excess;
+      const double r = (ex[i + 1] * ux[i + 1] - ex[i] * ux[i]) * ix[i] +
+                       (ey[i + sy] * uy[i + sy] - ey[i] * uy[i]) * iy + (ez[i + sz] * uz[i + sz] - ez[i] * uz[i]) * iz +
+                       dilation;
       most[i] = std::max(most[i], std::abs(r) * h);
-      total[i] += dil[i] * area;
+      total[i] += dilation * area;
     }
   });
   for (int i = 0; i < n; ++i) {
@@ -749,7 +780,7 @@ void FluidSolver::measure(const Step& step, double share, FluidReport& report) {
     if (!has(side, BoundaryKind::kInlet) && !has(side, BoundaryKind::kPressure)) continue;  // nothing passes a wall
     boundaries_.for_each_face(side, [&](int, int i, int j, int k) {
       const int d = direction(side);
-      const double A = grid_.area(d, i, j, k), flow = (is_high(side) ? -1 : 1) * flux_[d](i, j, k) * A;
+      const double A = grid_.area(d, i, j, k), flow = (is_high(side) ? -1 : 1) * flux(d, i, j, k) * A;
       Int3 in{i, j, k};
       if (is_high(side)) --in[d];
       const BoundaryKind kind = boundaries_.kind(side, i, j, k);
@@ -774,7 +805,7 @@ Vec3 FluidSolver::total_momentum() const {
   for (int d = 0; d < 3; ++d)
     for_each(faces_[d], [&](int i, int j, int k) {
       if (boundaries_.state(d)(i, j, k) == FaceState::kSolved)
-        sum[d] += settings_.density * eps_f_[0][d](i, j, k) * u_[d](i, j, k) * momentum_.volume(d, i, j, k);
+        sum[d] += settings_.density * eps_f_[d](i, j, k) * u_[d](i, j, k) * momentum_.volume(d, i, j, k);
     });
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, comm_);
   return sum;
@@ -786,7 +817,7 @@ Vec3 FluidSolver::pending_momentum() const {
     for_each(faces_[d], [&](int i, int j, int k) {
       if (boundaries_.state(d)(i, j, k) == FaceState::kSolved)
         sum[d] += 0.5 * settings_.density * momentum_.volume(d, i, j, k) *
-                  (eps_f_[0][d](i, j, k) * u_[d](i, j, k) - eps_f_[1][d](i, j, k) * u_old_[d](i, j, k));
+                  (eps_f_[d](i, j, k) * u_[d](i, j, k) - momentum_.face_mean(eps_[1], d, i, j, k) * u_old_[d](i, j, k));
     });
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, comm_);
   return sum;

@@ -5,7 +5,7 @@
 //
 // One step t^n -> t^{n+1} = t^n + dt (BDF2 with variable step; r = dt/dt_previous,
 // a0 = (1+2r)/(1+r), a1 = -(1+r), a2 = r^2/(1+r); the first step is backward Euler):
-//   (1) extrapolate  u~ = (1+r) u^n - r u^{n-1},  F~ = eps^{n+1} u~
+//   (1) extrapolate  u~ = (1+r) u^n - r u^{n-1},  F~ = eps^{n+1} u~ on faces
 //   (2) predict      A u* = -rho/dt (a1 eps^n u^n + a2 eps^{n-1} u^{n-1}) - rho div(F~ u~) + div(eps tau(u~))
 //                           - s (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
 //                    (implicit viscosity: tau(u*) on the left, conjugate gradients)
@@ -44,13 +44,15 @@ class FluidSolver : public Fluid {
   double viscosity() const override { return settings_.viscosity; }
   const Array3<FaceState>& face_state(int d) const override { return boundaries_.state(d); }
   const FaceField<FineGrid>& velocity() const override { return u_; }
-  const FaceField<FineGrid>& mean_velocity() const override { return mean_u_; }
+  const FaceField<FineGrid>& mean_velocity() const override { return one_step_ ? u_ : mean_u_; }
   const FaceField<FineGrid>& mean_pressure_gradient() const override { return mean_grad_p_; }
+  void keep_pressure_gradient() override { keep_grad_p_ = true; }
   const CellField<FineGrid>& pressure() const override { return p_; }
   const CellField<FineGrid>& void_fraction() const override { return eps_[0]; }
   double time() const override { return time_; }
-  const FaceField<FineGrid>* last_flux() const override { return &flux_; }
-  const CellField<FineGrid>* last_dilation() const override { return &dilation_; }
+  bool knows_last_step() const override { return true; }
+  double flux(int d, int i, int j, int k) const override { return eps_f_[d](i, j, k) * u_[d](i, j, k); }
+  double dilation(int i, int j, int k) const override { return rate_.at(eps_, p_.index(i, j, k)); }
 
   void start(const CellField<FineGrid>& eps) override;
   FluidReport advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) override;
@@ -67,10 +69,6 @@ class FluidSolver : public Fluid {
   void set_state(double time, const FaceField<FineGrid>& u, const CellField<FineGrid>& p,
                  const CellField<FineGrid>& eps, double dt_previous, const FaceField<FineGrid>& u_previous,
                  const CellField<FineGrid>& eps_previous);
-  /// d(eps)/dt of the last step, as continuity was solved (1/s, own cells).
-  const CellField<FineGrid>& dilation() const { return dilation_; }
-  /// eps u on faces, after the last step (m/s, halo filled).
-  const FaceField<FineGrid>& flux() const { return flux_; }
   /// rho sum of eps u V over solved faces: momentum of the fluid (N s). Collective.
   Vec3 total_momentum() const;
   /// Momentum that BDF2 has still to hand on: rho/2 ((eps u V)^n - (eps u V)^{n-1}); total + pending changes by exactly
@@ -82,14 +80,23 @@ class FluidSolver : public Fluid {
   struct Step {
     double dt, r, a0, a1, a2;
   };
+  using Levels = std::array<CellField<FineGrid>, 3>;
+  /// d(eps)/dt - q of a step from the levels of eps.
+  struct Rate {
+    double b0 = 0, b1 = 0, b2 = 0, excess = 0;  // 1/s; excess: q of a closed domain
+    double at(const Levels& eps, std::ptrdiff_t m) const {
+      return b0 * eps[0].data()[m] + b1 * eps[1].data()[m] + b2 * eps[2].data()[m] - excess;
+    }
+  };
   /// All that one interval hands to the next, and what others read after it.
   struct Saved {
     double time, dt_previous, velocity_scale;
     Vec3 imposed;
-    FaceField<FineGrid> u, u_old, flux, mean_u, mean_grad_p;
-    CellField<FineGrid> p, phi, dilation, response;
-    std::array<CellField<FineGrid>, 3> eps;
-    std::array<FaceField<FineGrid>, 3> eps_f;
+    bool one_step;
+    Rate rate;
+    FaceField<FineGrid> u, u_old, mean_u, mean_grad_p, eps_f;
+    CellField<FineGrid> p, phi, response;
+    Levels eps;
   };
   Saved save() const;
   void restore(Saved&& saved);
@@ -98,12 +105,13 @@ class FluidSolver : public Fluid {
   void add_vortex();
   void make_continuous();
   double allowed_dt(double left, double interval);  // left: of the interval
-  void set_face_eps(int level);
+  void set_face_eps();
   void next_level(const VoidFractionInTime& eps, double s, double interval);
   void previous_level();
   void replace(const CellField<FineGrid>& now);
   void extrapolate(const Step& step);
   void measure_inlet_head();
+  void begin_means();
   bool has(int side, BoundaryKind kind) const;
   void predict(const Step& step, const Interphase& exchange);
   void project(const Step& step, const Interphase& exchange, FluidReport& report);
@@ -112,14 +120,15 @@ class FluidSolver : public Fluid {
   void accept(const Step& step, double interval);
   void measure(const Step& step, double share, FluidReport& report);  // share: of the interval
   void rotate_pressure();
-  void predict_rows(const Step& step, const Interphase& exchange, double friction);
+  void predict_rows(const Step& step, const Interphase& exchange, FaceField<FineGrid>& rhs);
   template <int d>
-  void predict_component(const Step& step, const Interphase& exchange, double friction);
+  void predict_component(const Step& step, const Interphase& exchange, FaceField<FineGrid>& rhs);
+  void inertia_row(const double* e, const double* beta, int n, double* A) const;
   void set_conductance(const Interphase& exchange);
   void conductance_rows(const Interphase& exchange);
   template <int d>
   void conductance_component(const Interphase& exchange);
-  void missing_continuity(const Step& step, double& scale, double& sum);
+  void missing_continuity(double& scale, double& sum);
   void correct_rows();
   template <int d>
   void correct_component();
@@ -137,9 +146,10 @@ class FluidSolver : public Fluid {
   FineGrid grid_;
   Layout layout_;
   FluidSettings settings_;
-  Box own_, local_;
-  std::array<Box, 3> faces_;  // own faces
+  Box own_;
   Boundaries boundaries_;
+  Box local_;                 // of all fields
+  std::array<Box, 3> faces_;  // own faces
   Momentum momentum_;
   BlockExchange cell_halo_;
   std::array<BlockExchange, 3> face_halo_;
@@ -147,21 +157,36 @@ class FluidSolver : public Fluid {
   std::unique_ptr<ViscousSolver> viscous_solver_;  // made when first needed
 
   // State: what a checkpoint must hold.
-  double time_ = 0, dt_previous_ = 0;       // s; 0: no history
-  FaceField<FineGrid> u_, u_old_;           // u^n, u^{n-1} (m/s)
-  CellField<FineGrid> p_;                   // dynamic pressure (Pa)
-  std::array<CellField<FineGrid>, 3> eps_;  // eps^n (after a step: the newest), eps^{n-1}, spare
-  Vec3 imposed_{0, 0, 0};                   // G (Pa/m)
-  int idle_steps_ = 0;                      // steps in a row that could have been longer
+  double time_ = 0, dt_previous_ = 0;  // s; 0: no history
+  FaceField<FineGrid> u_, u_old_;      // u^n, u^{n-1} (m/s)
+  CellField<FineGrid> p_;              // dynamic pressure (Pa)
+  Levels eps_;                         // eps^n (after a step: the newest), eps^{n-1}, spare
+  Vec3 imposed_{0, 0, 0};              // G (Pa/m)
+  int idle_steps_ = 0;                 // steps in a row that could have been longer
 
-  // Work.
-  std::array<FaceField<FineGrid>, 3> eps_f_;                                   // eps on faces, levels as eps_
-  FaceField<FineGrid> u_tilde_, u_next_, flux_, rhs_, inertia_, conductance_;  // inertia_: A (kg/(m3 s))
-  CellField<FineGrid> phi_, dilation_, imbalance_;
+  // Work. Fields whose lives don't meet share memory. Doubles a cell, H: on own cells and the halo, else on own cells:
+  //   H  u_ 3, u_old_ 3, u_next_ 3, u_tilde_ 3, eps_f_ 3, eps_ 3, p_ 1, phi_ 1: together 20, and 3 bytes of face states
+  //      imbalance_ 1; pressure solver: solution 1, conjugate gradients 3; with it 36 bytes a cell of each multigrid
+  //      level and its halo of one (single precision; all levels: 1.4 to 1.7 times the finest)
+  //      only when asked for: mean_u_ 3 (intervals of several steps), mean_grad_p_ 3 (formulation A, accuracy)
+  //   H  in the coupling: VoidHistory 4; formulation A: Residual 3
+  //      in the coupling: source 3 where complete_drag() is at work; else values of the particle grid's cells only
+  FaceField<FineGrid> eps_f_;                    // eps^n on faces
+  FaceField<FineGrid> u_next_;                   // right-hand side of the predictor, u*, u^{n+1}
+  FaceField<FineGrid> u_tilde_;                  // u~, until the predictor is done
+  FaceField<FineGrid>& conductance_ = u_tilde_;  // from then on
+  CellField<FineGrid> phi_, imbalance_;
+  Rate rate_;                   // of the last step
+  double inertia_per_eps_ = 0;  // A = inertia_per_eps eps + beta (kg/(m3 s))
+  // Allocated when first needed.
+  FaceField<FineGrid> rhs_, inertia_;            // implicit viscosity: right-hand side and A
+  CellField<FineGrid> divergence_;               // implicit viscosity: imbalance_ before the pressure solver uses it
   CellField<FineGrid> response_, response_rhs_;  // potential answering a unit mean gradient (flow-rate control)
-  FaceField<FineGrid> mean_u_, mean_grad_p_;
+  FaceField<FineGrid> mean_u_;                   // intervals of more than one step; else the mean is u_
+  FaceField<FineGrid> mean_grad_p_;
+  bool one_step_ = true, keep_grad_p_ = false;
   double velocity_scale_ = 0;                  // largest |eps u| (m/s)
-  mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row
+  mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row; made rows of the exchange are in row_b_
   double inlet_head_ = 0;  // own inlet faces: momentum flux through the first cells' centres less that entering, N
   bool implicit_viscosity_ = false;
 };

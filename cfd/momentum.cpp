@@ -31,16 +31,14 @@ inline double explained(double change, double F, double e_lo, double e_hi) {
 /// jump of eps with no loss of head; a limited value would lose up to (jump of u)^2/2 there, on any grid. A uniform u
 /// is kept whatever eps does, and the value lies between those of the two faces.
 /// inverse_*: of the distances between the faces below, around and above.
-inline double transported_along(const double* v, const double* F, const double* e, std::ptrdiff_t lower,
-                                std::ptrdiff_t s, bool up, double inverse_below, double dist, double inverse,
-                                double inverse_above) {
+inline double transported_along(const double* v, const double* e, std::ptrdiff_t lower, std::ptrdiff_t s, bool up,
+                                double inverse_below, double dist, double inverse, double inverse_above) {
   const std::ptrdiff_t below = lower - s, upper = lower + s, above = upper + s;
   const double change = v[upper] - v[lower];
-  const double by_eps = explained(change, 0.5 * (F[lower] + F[upper]), e[lower], e[upper]);
+  const double by_eps = explained(change, 0.5 * (e[lower] * v[lower] + e[upper] * v[upper]), e[lower], e[upper]);
   const double b0 = up ? v[below] : v[upper], b1 = up ? v[lower] : v[above];
-  const double F0 = up ? F[below] : F[upper], F1 = up ? F[lower] : F[above];
   const double e0 = up ? e[below] : e[upper], e1 = up ? e[lower] : e[above];
-  const double behind = b1 - b0 - explained(b1 - b0, 0.5 * (F0 + F1), e0, e1);
+  const double behind = b1 - b0 - explained(b1 - b0, 0.5 * (e0 * b0 + e1 * b1), e0, e1);
   const double half =
       0.5 * (by_eps + limited_change(dist, (change - by_eps) * inverse, behind * (up ? inverse_below : inverse_above)));
   return up ? v[lower] + half : v[upper] - half;
@@ -54,8 +52,8 @@ Momentum::Momentum(const FineGrid& grid, const Box& own, const Box& local, const
   for (int d = 0; d < 3; ++d) {
     AxisMeasure& m = axis_[d];
     const Axis& a = grid.axis[d];
-    m.lo = local.lo[d];
-    for (int i = local.lo[d]; i < local.hi[d]; ++i) {
+    m.lo = own.lo[d] - 2;  // even where the fields have no halo
+    for (int i = m.lo; i < own.hi[d] + 2; ++i) {
       m.width_.push_back(a.width(i));
       m.face_width_.push_back(a.face_width(i));
       m.inverse_width_.push_back(1 / a.width(i));
@@ -65,10 +63,10 @@ Momentum::Momentum(const FineGrid& grid, const Box& own, const Box& local, const
       m.half_below_.push_back(below_in ? 0.5 * a.width(i - 1) : 0.0);
       m.half_above_.push_back(above_in ? 0.5 * a.width(i) : 0.0);
     }
-    normal_[d].reset(local);
-    shear_[d].reset(local);
   }
-  const std::size_t row = local.size(0);
+  const std::size_t row = local.size(0), slab = row * local.size(1);
+  for (auto* s : {&normal_[0], &normal_[1], &normal_[2], &normal_below_}) s->assign(slab, 0.0);
+  for (auto* s : {&shear_[0], &shear_[1], &shear_[2], &shear_above_[0], &shear_above_[1]}) s->assign(slab, 0.0);
   side_[0].resize(row), side_[1].resize(2 * row), side_[2].resize(2 * row * local.size(1));
 }
 
@@ -100,14 +98,14 @@ void Momentum::face_mean(const CellField<FineGrid>& eps, FaceField<FineGrid>& ep
   if (own_.empty()) return;
   for (int c = 0; c < 3; ++c) {
     Box b = local_;
-    ++b.lo[c];
-    mean_rows(eps, c, b, &axis_[c].above_share_[1], eps_f[c]);
+    if (eps.stride(c) > 0) ++b.lo[c];
+    mean_rows(eps, c, b, &axis_[c].above_share_[b.lo[c] - axis_[c].lo], eps_f[c]);
   }
 }
 
 struct Momentum::Convected {
   double rho;
-  const FaceField<FineGrid>&F, &eps_f, &u;
+  const FaceField<FineGrid>&eps_f, &u;
 };
 
 /// q = mass flux times velocity through the low side in d of the volumes (i.., j, k) of component c.
@@ -117,7 +115,8 @@ inline void Momentum::side_row(const Convected& a, int i, int j, int k, int coun
   const Int3 x{i, j, k};
   const std::ptrdiff_t m = a.u[c].index(i, j, k), sc = a.u[c].stride(c), s = a.u[c].stride(d);
   const AxisMeasure &ac = axis_[c], &ad = axis_[d], &ae = axis_[e], &af = axis_[f];
-  const double *v = a.u[c].data() + m, *F = a.F[d].data() + m, *eps = a.eps_f[d].data() + m;
+  const double *v = a.u[c].data() + m, *eps = a.eps_f[d].data() + m, *through = a.u[d].data() + m;
+  const auto F = [eps, through](std::ptrdiff_t t) { return eps[t] * through[t]; };
   const double rho = a.rho;
   const auto we = along_row<e>(ae.width_, x[e] - ae.lo);
   // Sides on, or beyond, the domain's.
@@ -126,10 +125,10 @@ inline void Momentum::side_row(const Convected& a, int i, int j, int k, int coun
     if (c == d) {
       // The outer side of an outlet's half volume is the outlet's face itself.
       const std::ptrdiff_t face = high ? t - s : t;
-      q[t] = rho * (F[face] * we[t] * along_row<f>(af.width_, x[f] - af.lo)[t]) * v[face];
+      q[t] = rho * (F(face) * we[t] * along_row<f>(af.width_, x[f] - af.lo)[t]) * v[face];
     } else {
-      const double flow = F[t - sc] * along_row<c>(ac.half_below_, x[c] - ac.lo)[t] +
-                          F[t] * along_row<c>(ac.half_above_, x[c] - ac.lo)[t];
+      const double flow = F(t - sc) * along_row<c>(ac.half_below_, x[c] - ac.lo)[t] +
+                          F(t) * along_row<c>(ac.half_above_, x[c] - ac.lo)[t];
       q[t] = rho * (flow * we[t]) * (0.5 * (v[t - s] + v[t]));  // the side's own value
     }
   };
@@ -148,10 +147,10 @@ inline void Momentum::side_row(const Convected& a, int i, int j, int k, int coun
     const auto below = along_row<c>(ac.inverse_width_, o - 1), inverse = along_row<c>(ac.inverse_width_, o),
                above = along_row<c>(ac.inverse_width_, o + 1);
     for (int t = begin; t < end; ++t) {
-      const double flow = 0.5 * (F[t - s] + F[t]) * we[t] * wf[t];
+      const double flow = 0.5 * (F(t - s) + F(t)) * we[t] * wf[t];
       double value;
       if constexpr (limited)
-        value = transported_along(v, F, eps, t - s, s, flow >= 0, below[t], dist[t], inverse[t], above[t]);
+        value = transported_along(v, eps, t - s, s, flow >= 0, below[t], dist[t], inverse[t], above[t]);
       else
         value = v[t - s] + (v[t] - v[t - s]) * (0.5 * dist[t] * inverse[t]);
       q[t] = rho * flow * value;
@@ -163,7 +162,7 @@ inline void Momentum::side_row(const Convected& a, int i, int j, int k, int coun
                above = along_row<d>(ad.inverse_face_width_, o + 1);
     const auto w_lower = along_row<d>(ad.width_, o - 1), w_upper = along_row<d>(ad.width_, o);
     for (int t = begin; t < end; ++t) {
-      const double flow = (F[t - sc] * hb[t] + F[t] * ha[t]) * we[t];
+      const double flow = (F(t - sc) * hb[t] + F(t) * ha[t]) * we[t];
       const double slope = (v[t] - v[t - s]) * inverse[t];
       double value;
       if constexpr (limited) {
@@ -213,10 +212,10 @@ inline void Momentum::convect_component(const Convected& a, Array3<double>& out)
   }
 }
 
-void Momentum::convect(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& eps_f,
-                       const FaceField<FineGrid>& u, Convection scheme, FaceField<FineGrid>& out) {
+void Momentum::convect(double rho, const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u, Convection scheme,
+                       FaceField<FineGrid>& out) {
   if (scheme == Convection::kNone || own_.empty()) return;
-  const Convected a{rho, F, eps_f, u};
+  const Convected a{rho, eps_f, u};
   if (scheme == Convection::kVanLeer)
     convect_limited(a, out);
   else
@@ -235,109 +234,120 @@ TWOGRID_VECTORISED void Momentum::convect_central(const Convected& a, FaceField<
   if (solved_[2]) convect_component<2, false>(a, out[2]);
 }
 
-double Momentum::convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& F,
-                                   const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u,
-                                   Convection scheme) const {
+double Momentum::convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& eps_f,
+                                   const FaceField<FineGrid>& u, Convection scheme) const {
   if (scheme == Convection::kNone) return 0;
   const Int3 x{i, j, k};
   const std::ptrdiff_t s = u[c].stride(c), m = u[c].index(i, j, k);
   const AxisMeasure& a = axis_[c];
-  const double flow = 0.5 * (F[c].data()[m] + F[c].data()[m + s]) * axis_[(c + 1) % 3].width(x[(c + 1) % 3]) *
+  const double *v = u[c].data(), *e = eps_f[c].data();
+  const double flow = 0.5 * (e[m] * v[m] + e[m + s] * v[m + s]) * axis_[(c + 1) % 3].width(x[(c + 1) % 3]) *
                       axis_[(c + 2) % 3].width(x[(c + 2) % 3]);
-  const double* v = u[c].data();
   if (scheme == Convection::kVanLeer)
     return rho * flow *
-           transported_along(v, F[c].data(), eps_f[c].data(), m, s, flow >= 0, 1 / a.width(x[c] - 1), a.width(x[c]),
-                             1 / a.width(x[c]), 1 / a.width(x[c] + 1));
+           transported_along(v, e, m, s, flow >= 0, 1 / a.width(x[c] - 1), a.width(x[c]), 1 / a.width(x[c]),
+                             1 / a.width(x[c] + 1));
   return rho * flow * 0.5 * (v[m] + v[m + s]);
 }
 
-/// Normal stresses in own cells and one more around.
-TWOGRID_VECTORISED void Momentum::normal_stresses(double mu, const CellField<FineGrid>& eps,
-                                                  const FaceField<FineGrid>& u) {
-  const Box b = own_.grown(1);
-  const int n = b.size(0);
-  const std::ptrdiff_t sy = eps.stride(1), sz = eps.stride(2);
-  const double* ix = &axis_[0].inverse_width_[b.lo[0] - axis_[0].lo];
-  for (int k = b.lo[2]; k < b.hi[2]; ++k)
-    for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-      const std::ptrdiff_t m = eps.index(b.lo[0], j, k);
-      const double iy = axis_[1].inverse_width_[j - axis_[1].lo], iz = axis_[2].inverse_width_[k - axis_[2].lo];
-      const double *e = eps.data() + m, *ux = u[0].data() + m, *uy = u[1].data() + m, *uz = u[2].data() + m;
-      double *__restrict nx = normal_[0].data() + m, *__restrict ny = normal_[1].data() + m,
-                         *__restrict nz = normal_[2].data() + m;
+/// Normal stresses in slab k of own cells, and of one more around where a direction is not left out.
+inline void Momentum::normal_stresses(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k) {
+  const int around = local_.size(1) > own_.size(1) ? 1 : 0;
+  const int first = own_.lo[0] - 1, n = own_.size(0) + 2;
+  const std::ptrdiff_t sy = eps.stride(1), sz = eps.stride(2), slab = eps.index(local_.lo[0], local_.lo[1], k);
+  const double* ix = &axis_[0].inverse_width_[first - axis_[0].lo];
+  for (int j = own_.lo[1] - around; j < own_.hi[1] + around; ++j) {
+    const std::ptrdiff_t m = eps.index(first, j, k);
+    const double iy = axis_[1].inverse_width_[j - axis_[1].lo], iz = axis_[2].inverse_width_[k - axis_[2].lo];
+    const double *e = eps.data() + m, *ux = u[0].data() + m, *uy = u[1].data() + m, *uz = u[2].data() + m;
+    double *__restrict nx = normal_[0].data() + (m - slab), *__restrict ny = normal_[1].data() + (m - slab),
+                       *__restrict nz = normal_[2].data() + (m - slab);
 #pragma GCC ivdep
-      for (int i = 0; i < n; ++i) {
-        const double x = (ux[i + 1] - ux[i]) * ix[i], y = (uy[i + sy] - uy[i]) * iy, z = (uz[i + sz] - uz[i]) * iz;
-        const double third = (x + y + z) * (1.0 / 3), g = 2 * mu * e[i];
-        nx[i] = g * (x - third);
-        ny[i] = g * (y - third);
-        nz[i] = g * (z - third);
-      }
+    for (int i = 0; i < n; ++i) {
+      const double x = (ux[i + 1] - ux[i]) * ix[i], y = (uy[i + sy] - uy[i]) * iy, z = (uz[i + sz] - uz[i]) * iz;
+      const double third = (x + y + z) * (1.0 / 3), g = 2 * mu * e[i];
+      nx[i] = g * (x - third);
+      ny[i] = g * (y - third);
+      nz[i] = g * (z - third);
     }
+  }
 }
 
 /// Shear stresses of the two directions other than t on edges; edge m is the low corner of cell m in both.
 template <int t>
-inline void Momentum::shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u) {
+inline void Momentum::shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k,
+                                   Slab& out) const {
   constexpr int a = (t + 1) % 3, b = (t + 2) % 3;
   const AxisMeasure &aa = axis_[a], &ab = axis_[b];
-  Box r = own_;
-  for (int d = 0; d < 3; ++d) ++r.hi[d];
-  const int n = r.size(0);
-  const std::ptrdiff_t sa = eps.stride(a), sb = eps.stride(b);
-  for (int k = r.lo[2]; k < r.hi[2]; ++k)
-    for (int j = r.lo[1]; j < r.hi[1]; ++j) {
-      const std::ptrdiff_t m = eps.index(r.lo[0], j, k);
-      const Int3 x{r.lo[0], j, k};
-      const auto ha = along_row<a>(aa.above_share_, x[a] - aa.lo), hb = along_row<b>(ab.above_share_, x[b] - ab.lo);
-      const auto ia = along_row<a>(aa.inverse_face_width_, x[a] - aa.lo),
-                 ib = along_row<b>(ab.inverse_face_width_, x[b] - ab.lo);
-      const double *e = eps.data() + m, *ua = u[a].data() + m, *ub = u[b].data() + m;
-      double* __restrict q = shear_[t].data() + m;
-      for (int i = 0; i < n; ++i) {
-        const double high = e[i - sa] + ha[i] * (e[i] - e[i - sa]);
-        const double low = e[i - sa - sb] + ha[i] * (e[i - sb] - e[i - sa - sb]);
-        q[i] = mu * (low + hb[i] * (high - low)) * ((ua[i] - ua[i - sb]) * ib[i] + (ub[i] - ub[i - sa]) * ia[i]);
-      }
+  const int around = local_.size(1) > own_.size(1) ? 1 : 0, n = own_.size(0) + 1;
+  const std::ptrdiff_t sa = eps.stride(a), sb = eps.stride(b), slab = eps.index(local_.lo[0], local_.lo[1], k);
+  for (int j = own_.lo[1]; j < own_.hi[1] + around; ++j) {
+    const std::ptrdiff_t m = eps.index(own_.lo[0], j, k);
+    const Int3 x{own_.lo[0], j, k};
+    const auto ha = along_row<a>(aa.above_share_, x[a] - aa.lo), hb = along_row<b>(ab.above_share_, x[b] - ab.lo);
+    const auto ia = along_row<a>(aa.inverse_face_width_, x[a] - aa.lo),
+               ib = along_row<b>(ab.inverse_face_width_, x[b] - ab.lo);
+    const double *e = eps.data() + m, *ua = u[a].data() + m, *ub = u[b].data() + m;
+    double* __restrict q = out.data() + (m - slab);
+    for (int i = 0; i < n; ++i) {
+      const double high = e[i - sa] + ha[i] * (e[i] - e[i - sa]);
+      const double low = e[i - sa - sb] + ha[i] * (e[i - sb] - e[i - sa - sb]);
+      q[i] = mu * (low + hb[i] * (high - low)) * ((ua[i] - ua[i - sb]) * ib[i] + (ub[i] - ub[i - sa]) * ia[i]);
     }
+  }
 }
 
-/// out += the stresses' force on the volumes of component c.
+/// out += the stresses' force on the volumes of component c in slab k.
 template <int c>
-inline void Momentum::add_stress(Array3<double>& out) const {
+inline void Momentum::add_stress(int k, Array3<double>& out) const {
   constexpr int a = (c + 1) % 3, b = (c + 2) % 3;  // shear_ of (c,a) is t = b; of (c,b) is t = a
   const Box& r = faces_[c];
+  if (k < r.lo[2] || k >= r.hi[2]) return;
   const int n = r.size(0);
-  const std::ptrdiff_t sc = out.stride(c), sa = out.stride(a), sb = out.stride(b);
-  for (int k = r.lo[2]; k < r.hi[2]; ++k)
-    for (int j = r.lo[1]; j < r.hi[1]; ++j) {
-      const std::ptrdiff_t m = out.index(r.lo[0], j, k);
-      const Int3 x{r.lo[0], j, k};
-      const auto wa = along_row<a>(axis_[a].width_, x[a] - axis_[a].lo),
-                 wb = along_row<b>(axis_[b].width_, x[b] - axis_[b].lo);
-      const auto below = along_row<c>(axis_[c].half_below_, x[c] - axis_[c].lo),
-                 above = along_row<c>(axis_[c].half_above_, x[c] - axis_[c].lo);
-      const double *nn = normal_[c].data() + m, *ca = shear_[b].data() + m, *cb = shear_[a].data() + m;
-      double* __restrict o = out.data() + m;
-      for (int i = 0; i < n; ++i) {
-        const double sides = (ca[i + sa] - ca[i]) * wb[i] + (cb[i + sb] - cb[i]) * wa[i];
-        o[i] += (nn[i] - nn[i - sc]) * wa[i] * wb[i] + sides * (below[i] + above[i]);
-      }
+  const std::ptrdiff_t sy = out.stride(1), slab = out.index(local_.lo[0], local_.lo[1], k);
+  for (int j = r.lo[1]; j < r.hi[1]; ++j) {
+    const std::ptrdiff_t m = out.index(r.lo[0], j, k), q = m - slab;
+    const Int3 x{r.lo[0], j, k};
+    const auto wa = along_row<a>(axis_[a].width_, x[a] - axis_[a].lo),
+               wb = along_row<b>(axis_[b].width_, x[b] - axis_[b].lo);
+    const auto below = along_row<c>(axis_[c].half_below_, x[c] - axis_[c].lo),
+               above = along_row<c>(axis_[c].half_above_, x[c] - axis_[c].lo);
+    const double *nn = normal_[c].data() + q, *ca = shear_[b].data() + q, *cb = shear_[a].data() + q;
+    // The stress a cell lower, and the next edges' in a and b.
+    const double* under = c == 2 ? normal_below_.data() + q : nn - (c == 1 ? sy : 1);
+    const double* ca_next = a == 2 ? shear_above_[b].data() + q : ca + (a == 1 ? sy : 1);
+    const double* cb_next = b == 2 ? shear_above_[a].data() + q : cb + (b == 1 ? sy : 1);
+    double* __restrict o = out.data() + m;
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) {
+      const double sides = (ca_next[i] - ca[i]) * wb[i] + (cb_next[i] - cb[i]) * wa[i];
+      o[i] += (nn[i] - under[i]) * wa[i] * wb[i] + sides * (below[i] + above[i]);
     }
+  }
 }
 
 TWOGRID_VECTORISED void Momentum::viscous(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
                                           FaceField<FineGrid>& out) {
   if (own_.empty()) return;
-  normal_stresses(mu, eps, u);
-  // Where a direction is left out there is no shear with it: shear_ stays zero.
-  if (solved_[1] && solved_[2]) shear_stress<0>(mu, eps, u);
-  if (solved_[2] && solved_[0]) shear_stress<1>(mu, eps, u);
-  if (solved_[0] && solved_[1]) shear_stress<2>(mu, eps, u);
-  if (solved_[0]) add_stress<0>(out[0]);
-  if (solved_[1]) add_stress<1>(out[1]);
-  if (solved_[2]) add_stress<2>(out[2]);
+  const bool x = solved_[0], y = solved_[1], z = solved_[2];
+  auto shear_at = [&](int k, Slab& yz, Slab& xz) {
+    if (y && z) shear_stress<0>(mu, eps, u, k, yz);
+    if (z && x) shear_stress<1>(mu, eps, u, k, xz);
+  };
+  if (z) normal_stresses(mu, eps, u, own_.lo[2] - 1);
+  shear_at(own_.lo[2], shear_[0], shear_[1]);
+  const int end = z ? faces_[2].hi[2] : own_.hi[2];
+  for (int k = own_.lo[2]; k < end; ++k) {
+    normal_[2].swap(normal_below_);
+    normal_stresses(mu, eps, u, k);
+    const bool inside = k < own_.hi[2];  // beyond them only the highest faces normal to z, at an outlet
+    if (inside) shear_at(k + 1, shear_above_[0], shear_above_[1]);
+    if (inside && x && y) shear_stress<2>(mu, eps, u, k, shear_[2]);
+    if (inside && x) add_stress<0>(k, out[0]);
+    if (inside && y) add_stress<1>(k, out[1]);
+    if (z) add_stress<2>(k, out[2]);
+    shear_[0].swap(shear_above_[0]), shear_[1].swap(shear_above_[1]);
+  }
 }
 
 void Momentum::viscous_diagonal(double mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const {

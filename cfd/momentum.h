@@ -32,14 +32,19 @@ class Momentum {
 
   /// eps on faces: volume-weighted arithmetic mean of the two cells, so that sums over cells and faces agree.
   void face_mean(const CellField<FineGrid>& eps, FaceField<FineGrid>& eps_f) const;
-  /// out -= rho sum over the volume's faces of (F u), N. F = eps u of all faces (superficial velocity, halo filled),
-  /// eps_f and u with halo and ghosts. van Leer (1974) limited, or central; what eps_f explains of a change of u along
-  /// itself is never limited.
-  void convect(double rho, const FaceField<FineGrid>& F, const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u,
-               Convection scheme, FaceField<FineGrid>& out);
+  /// The same for one own face of direction c.
+  double face_mean(const CellField<FineGrid>& eps, int c, int i, int j, int k) const {
+    const std::ptrdiff_t m = eps.index(i, j, k);
+    const double below = eps.data()[m - eps.stride(c)];
+    return below + axis_[c].above_share_[Int3{i, j, k}[c] - axis_[c].lo] * (eps.data()[m] - below);
+  }
+  /// out -= rho sum over the volume's faces of (F u), N, F = eps_f u, both with halo and ghosts. van Leer (1974)
+  /// limited, or central; what eps_f explains of a change of u along itself is never limited.
+  void convect(double rho, const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u, Convection scheme,
+               FaceField<FineGrid>& out);
   /// rho F u of component c through the centre of own cell (i,j,k), along c, as convect takes it, N.
-  double convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& F,
-                           const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u, Convection scheme) const;
+  double convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& eps_f,
+                           const FaceField<FineGrid>& u, Convection scheme) const;
   /// out += integral of div(eps tau), tau = mu (grad u + grad u^T - 2/3 div u I), N.
   void viscous(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
   /// Diagonal of -viscous, approximately (for Jacobi), N s/m.
@@ -60,11 +65,12 @@ class Momentum {
   void convect_component(const Convected& a, Array3<double>& out);
   void convect_limited(const Convected& a, FaceField<FineGrid>& out);
   void convect_central(const Convected& a, FaceField<FineGrid>& out);
-  void normal_stresses(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u);
+  using Slab = std::vector<double>;
+  void normal_stresses(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k);
   template <int t>
-  void shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u);
+  void shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k, Slab& out) const;
   template <int c>
-  void add_stress(Array3<double>& out) const;
+  void add_stress(int k, Array3<double>& out) const;
 
   Box own_, local_;
   std::array<Box, 3> faces_;
@@ -73,8 +79,12 @@ class Momentum {
   std::array<bool, 3> periodic_;
   Int3 n_;
   std::array<std::vector<double>, 3> side_;  // scratch: fluxes through the sides of a row, two rows, two slabs
-  std::array<Array3<double>, 3> normal_;     // scratch: eps tau_cc A-less, in cells
-  std::array<Array3<double>, 3> shear_;      // scratch: eps tau_yz, tau_xz, tau_xy on edges
+  // Scratch of viscous(), slabs at one z: eps tau_cc in cells (of tau_zz also the slab below), eps tau_yz, tau_xz,
+  // tau_xy on edges (of the first two also the slab above). Where a direction is left out there is no shear with it:
+  // zero.
+  std::array<Slab, 3> normal_, shear_;
+  Slab normal_below_;
+  std::array<Slab, 2> shear_above_;
 };
 
 }  // namespace twogrid

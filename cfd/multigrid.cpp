@@ -93,10 +93,10 @@ struct Multigrid<T>::Level {
   std::vector<T> stripes;                  // 1, 0, 1, 0 ...: tells the colours of a row apart
   std::vector<T> row;                      // scratch, one value a cell of a row
 
-  Level(MPI_Comm comm, int rank, std::vector<Box> boxes, Int3 extent, std::array<bool, 3> wrap)
-      : own(boxes[rank]), n(extent), periodic(wrap), all(std::move(boxes)), halo(comm, all, n, wrap) {
+  Level(MPI_Comm comm, int rank, std::vector<Box> boxes, Int3 extent, std::array<bool, 3> wrap, const Int3& width)
+      : own(boxes[rank]), n(extent), periodic(wrap), all(std::move(boxes)), halo(comm, all, n, wrap, width) {
     for (int d = 0; d < 3; ++d) odd_seam = odd_seam || (wrap[d] && n[d] % 2 == 1 && n[d] > 1);
-    const Box box = own.empty() ? Box{} : own.grown(1);
+    const Box box = own.empty() ? Box{} : own.grown(width);
     for (auto& a : g) a.reset(box);
     dinv.reset(box);
     x.reset(box);
@@ -403,7 +403,7 @@ class Multigrid<T>::Coarsest {
 };
 
 template <class T>
-Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout) {
+Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, const Int3& halo) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   Lines lines;
@@ -417,7 +417,7 @@ Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout) {
         boxes[r].hi[d] = lines[d].cut[a + 1];
       }
     const Int3 n{lines[0].n(), lines[1].n(), lines[2].n()};
-    levels_.emplace_back(comm, rank, std::move(boxes), n, grid.periodic());
+    levels_.emplace_back(comm, rank, std::move(boxes), n, grid.periodic(), halo);
     if (double(n[0]) * n[1] * n[2] <= kDirect) break;
     const Parents parents = choose_pairs(lines, kStretch, kShrink);
     if (parents[0].empty()) break;
@@ -447,10 +447,17 @@ template <class T>
 Multigrid<T>::~Multigrid() = default;
 
 template <class T>
-void Multigrid<T>::set_operator(const std::array<Array3<double>, 3>& g, bool singular, double scale) {
+void Multigrid<T>::set_operator(const std::array<const Array3<double>*, 3>& g, bool singular, double scale) {
   Level& fine = levels_.front();
-  for (int d = 0; d < 3; ++d)
-    for (std::size_t m = 0; m < fine.g[d].size(); ++m) fine.g[d].data()[m] = T(scale * g[d].data()[m]);
+  for (int d = 0; d < 3; ++d) {
+    const Box& b = fine.g[d].box();
+    for (int k = b.lo[2]; k < b.hi[2]; ++k)
+      for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+        const double* from = g[d]->data() + g[d]->index(b.lo[0], j, k);
+        T* to = fine.g[d].data() + fine.g[d].index(b.lo[0], j, k);
+        for (int i = 0; i < b.size(0); ++i) to[i] = T(scale * from[i]);
+      }
+  }
   fine.finish_operator();
   for (std::size_t l = 0; l + 1 < levels_.size(); ++l) coefficients(levels_[l], levels_[l + 1]);
   coarsest_->set_operator(levels_.back(), singular);

@@ -41,14 +41,18 @@ class Multigrid {
   /// A level of at most so many cells on all ranks is solved directly.
   static constexpr int kDirect = 100;
 
-  /// All ranks give the same arguments.
-  Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout);
+  /// All ranks give the same arguments. halo[d]: 1, or 0 where one cell lies between closed sides in d (y or z): no
+  /// memory is held beyond them.
+  Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, const Int3& halo = {1, 1, 1});
   ~Multigrid();
 
-  /// g[d](i,j,k): of the low face of cell (i,j,k) in direction d; on own cells and a halo of one, the high faces of own
-  /// cells included (brought from the neighbour, or the boundary's). All g are multiplied by scale, which may bring
-  /// them into T's range. Collective.
-  void set_operator(const std::array<Array3<double>, 3>& g, bool singular, double scale = 1);
+  /// g[d](i,j,k): of the low face of cell (i,j,k) in direction d; on own cells and a halo of at least one, the high
+  /// faces of own cells included (brought from the neighbour, or the boundary's). All g are multiplied by scale, which
+  /// may bring them into T's range. Collective.
+  void set_operator(const std::array<const Array3<double>*, 3>& g, bool singular, double scale = 1);
+  void set_operator(const std::array<Array3<double>, 3>& g, bool singular, double scale = 1) {
+    set_operator(std::array<const Array3<double>*, 3>{&g[0], &g[1], &g[2]}, singular, scale);
+  }
 
   /// Right-hand side, to be filled on own cells, and after cycle() the approximate solution there.
   Array3<T>& b();

@@ -16,7 +16,7 @@ namespace {
 constexpr char kPrefix[] = "fluid_pressure_";
 
 /// y = -A x on the rows of own cells: sum over faces of g (x_cell - x_neighbour). y has no halo.
-TWOGRID_VECTORISED void apply_operator(const Box& own, const std::array<Array3<double>, 3>& g, const Array3<double>& x,
+TWOGRID_VECTORISED void apply_operator(const Box& own, const FaceField<FineGrid>& g, const Array3<double>& x,
                                        double* y) {
   const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
   const int n = own.size(0);
@@ -44,20 +44,17 @@ double power_of_two(double x) {
 
 class PressureSolver::Impl {
  public:
-  Impl(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol)
-      : comm_(comm), grid_(grid), n_(grid.n()), multigrid_(comm, grid, layout) {
+  Impl(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo)
+      : comm_(comm), grid_(grid), n_(grid.n()), multigrid_(comm, grid, layout, narrowed(halo)) {
     int rank = 0;
     MPI_Comm_rank(comm, &rank);
     own_ = layout.cells(rank);
-    halo_ = FaceHalo(comm, layout.all_cells(), n_, grid.periodic());
-    const Box box = own_.empty() ? Box{} : own_.grown(1);
-    for (auto& g : g_) g.reset(box);
-    x_.reset(box);
+    halo_ = FaceHalo(comm, layout.all_cells(), n_, grid.periodic(), halo);
+    memory_ = own_.empty() ? Box{} : own_.grown(halo);
 
     const PetscInt local = PetscInt(own_.count());
-    check(VecCreateMPI(comm, local, PETSC_DETERMINE, rhs_.put()));
-    check(VecDuplicate(rhs_, solution_.put()));
-    check(VecDuplicate(rhs_, residual_.put()));
+    check(VecCreateMPI(comm, local, PETSC_DETERMINE, solution_.put()));
+    check(VecCreateMPIWithArray(comm, 1, local, PETSC_DETERMINE, nullptr, rhs_.put()));
     check(MatCreateShell(comm, local, local, PETSC_DETERMINE, PETSC_DETERMINE, this, matrix_.put()));
     check(MatShellSetOperation(matrix_, MATOP_MULT, reinterpret_cast<void (*)(void)>(&Impl::multiply)));
     check(MatSetOption(matrix_, MAT_SYMMETRIC, PETSC_TRUE));
@@ -90,30 +87,65 @@ class PressureSolver::Impl {
 
   void set_operator(const FaceField<FineGrid>& conductance, bool singular) {
     for (int d = 0; d < 3; ++d) {
+      g_store_[d].reset(memory_);
+      if (own_.empty()) continue;
       Box faces = own_;
       if (!grid_.axis[d].periodic() && own_.hi[d] == n_[d]) ++faces.hi[d];
-      if (own_.empty()) continue;
-      for (int k = faces.lo[2]; k < faces.hi[2]; ++k)
-        for (int j = faces.lo[1]; j < faces.hi[1]; ++j)
-          std::copy_n(&conductance[d].data()[conductance[d].index(faces.lo[0], j, k)], faces.size(0),
-                      &g_[d].data()[g_[d].index(faces.lo[0], j, k)]);
+      copy_rows(conductance[d], g_store_[d], faces);
     }
-    halo_.bring({&g_[0], &g_[1], &g_[2]});
-    for (int d = 0; d < 3; ++d)
-      if (grid_.axis[d].periodic() && n_[d] == 1) g_[d].fill(0);  // a cell that is its own neighbour has no net flux
+    use_operator(g_store_, singular);
+  }
+
+  void set_operator(FaceField<FineGrid>& conductance, bool singular) {
+    if (conductance[0].box() == memory_ && conductance[1].box() == memory_ && conductance[2].box() == memory_)
+      use_operator(conductance, singular);
+    else
+      set_operator(static_cast<const FaceField<FineGrid>&>(conductance), singular);
+  }
+
+  void use_operator(FaceField<FineGrid>& g, bool singular) {
+    g_ = &g;
+    halo_.bring<double>({&g[0], &g[1], &g[2]});
     if (singular != singular_ || !known_) {
       check(MatSetNullSpace(matrix_, singular ? static_cast<MatNullSpace>(constants_) : nullptr));
       singular_ = singular;
       known_ = true;
     }
     operator_scale_ = 1 / power_of_two(typical_conductance());
-    multigrid_.set_operator(g_, singular, operator_scale_);
+    multigrid_.set_operator({&g[0], &g[1], &g[2]}, singular, operator_scale_);
   }
 
   int solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
+    if (!(b_store_.box() == own_)) b_store_.reset(own_);
+    copy_rows(b, b_store_, own_);
+    return solve(b_store_, phi, atol);
+  }
+
+  int solve(CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
+    if (!(b.box() == own_)) return solve(static_cast<const CellField<FineGrid>&>(b), phi, atol);
+    check(VecPlaceArray(rhs_, b.data()));
+    int iterations = 0;
+    try {
+      iterations = solve_in_place(phi, atol);
+    } catch (...) {
+      VecResetArray(rhs_);
+      throw;
+    }
+    check(VecResetArray(rhs_));
+    return iterations;
+  }
+
+ private:
+  int solve_in_place(CellField<FineGrid>& phi, double atol) {
     // The solver works with -A, which is positive definite.
-    load(b, -1, rhs_);
-    load(phi, 1, solution_);
+    check(VecScale(rhs_, -1));
+    load(phi, solution_);
+    x_ = &phi;
+    if (!(phi.box() == memory_)) {
+      if (!(x_store_.box() == memory_)) x_store_.reset(memory_);
+      x_ = &x_store_;
+    }
+    clear_beyond_sides(*x_);
     if (singular_) balance(atol);
     PetscReal abstol;
     check(KSPGetTolerances(ksp_, nullptr, &abstol, nullptr, nullptr));
@@ -158,13 +190,33 @@ class PressureSolver::Impl {
     return iterations;
   }
 
- private:
+  /// At most one cell.
+  static Int3 narrowed(const Int3& halo) { return {std::min(halo[0], 1), std::min(halo[1], 1), std::min(halo[2], 1)}; }
+
+  static void copy_rows(const Array3<double>& from, Array3<double>& to, const Box& b) {
+    for (int k = b.lo[2]; k < b.hi[2]; ++k)
+      for (int j = b.lo[1]; j < b.hi[1]; ++j)
+        std::copy_n(from.data() + from.index(b.lo[0], j, k), b.size(0), to.data() + to.index(b.lo[0], j, k));
+  }
+
+  /// Ghosts next to own cells: what an outlet couples to.
+  void clear_beyond_sides(Array3<double>& x) const {
+    if (own_.empty()) return;
+    for (int d = 0; d < 3; ++d) {
+      if (grid_.axis[d].periodic() || memory_.size(d) == own_.size(d)) continue;
+      Box low = own_, high = own_;
+      low.lo[d] = -1, low.hi[d] = own_.lo[d] == 0 ? 0 : -1;
+      high.lo[d] = n_[d], high.hi[d] = own_.hi[d] == n_[d] ? n_[d] + 1 : n_[d];
+      for (const Box& b : {low, high}) for_each(b, [&](int i, int j, int k) { x(i, j, k) = 0; });
+    }
+  }
+
   /// Largest conductance in the direction of most cells, of all ranks.
   double typical_conductance() const {
     const int d = int(std::max_element(n_.begin(), n_.end()) - n_.begin());
     double largest = 0;
-    rows(g_[d], [&](std::ptrdiff_t m, std::ptrdiff_t, int n) {
-      for (const double* g = g_[d].data() + m; n > 0; --n, ++g) largest = std::max(largest, *g);
+    rows((*g_)[d], [&](std::ptrdiff_t m, std::ptrdiff_t, int n) {
+      for (const double* g = (*g_)[d].data() + m; n > 0; --n, ++g) largest = std::max(largest, *g);
     });
     MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
     return largest;
@@ -180,13 +232,11 @@ class PressureSolver::Impl {
       for (int j = own_.lo[1]; j < own_.hi[1]; ++j, v += n) f(a.index(own_.lo[0], j, k), v, n);
   }
 
-  void load(const CellField<FineGrid>& field, double factor, Vec to) const {
+  void load(const CellField<FineGrid>& field, Vec to) const {
     PetscScalar* v = nullptr;
     check(VecGetArrayWrite(to, &v));
     const double* a = field.data();
-    rows(field, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
-      for (int i = 0; i < n; ++i) v[p + i] = factor * a[m + i];
-    });
+    rows(field, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(a + m, n, v + p); });
     check(VecRestoreArrayWrite(to, &v));
   }
 
@@ -230,7 +280,8 @@ class PressureSolver::Impl {
     check(VecShift(rhs_, -sum / n));
   }
 
-  double true_residual() const {
+  double true_residual() {
+    if (!residual_) check(VecDuplicate(solution_, residual_.put()));
     check(MatMult(matrix_, solution_, residual_));
     check(VecAYPX(residual_, -1, rhs_));
     PetscReal norm;
@@ -244,11 +295,16 @@ class PressureSolver::Impl {
     const PetscScalar* v = nullptr;
     check(VecGetArrayRead(solution_, &v));
     double sum = 0;
-    const double *gx = g_[0].data(), *gy = g_[1].data(), *gz = g_[2].data();
-    const std::ptrdiff_t sy = x_.stride(1), sz = x_.stride(2);
-    rows(x_, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
+    // A cell that is its own neighbour has no net flux.
+    std::array<double, 3> on;
+    for (int d = 0; d < 3; ++d) on[d] = grid_.axis[d].periodic() && n_[d] == 1 ? 0 : 1;
+    const double *gx = (*g_)[0].data(), *gy = (*g_)[1].data(), *gz = (*g_)[2].data();
+    const std::ptrdiff_t sy = x_->stride(1), sz = x_->stride(2);
+    rows(*x_, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
       for (int i = 0; i < n; ++i, ++m) {
-        const double t = (gx[m] + gx[m + 1] + gy[m] + gy[m + sy] + gz[m] + gz[m + sz]) * v[p + i];
+        const double t = (on[0] * gx[m] + on[0] * gx[m + 1] + on[1] * gy[m] + on[1] * gy[m + sy] + on[2] * gz[m] +
+                          on[2] * gz[m + sz]) *
+                         v[p + i];
         sum += t * t;
       }
     });
@@ -264,12 +320,12 @@ class PressureSolver::Impl {
     const PetscScalar* from = nullptr;
     PetscScalar* to = nullptr;
     if ((error = VecGetArrayRead(x, &from))) return error;
-    double* a = self->x_.data();
-    self->rows(self->x_, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(from + p, n, a + m); });
+    double* a = self->x_->data();
+    self->rows(*self->x_, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(from + p, n, a + m); });
     if ((error = VecRestoreArrayRead(x, &from))) return error;
-    self->halo_.bring({&self->x_});
+    self->halo_.bring<double>({self->x_});
     if ((error = VecGetArrayWrite(y, &to))) return error;
-    if (!self->own_.empty()) apply_operator(self->own_, self->g_, self->x_, to);
+    if (!self->own_.empty()) apply_operator(self->own_, *self->g_, *self->x_, to);
     return VecRestoreArrayWrite(y, &to);
   }
 
@@ -320,25 +376,37 @@ class PressureSolver::Impl {
   double target_ = 0;                          // residual norm at which to stop
   double operator_scale_ = 1, rhs_scale_ = 1;  // factors on A and on residuals in the multigrid
   FaceHalo halo_;
-  std::array<Array3<double>, 3> g_;
-  Array3<double> x_;
+  Box memory_;                        // of g_ and x_
+  FaceField<FineGrid>* g_ = nullptr;  // the operator: the caller's, or the copy
+  CellField<FineGrid>* x_ = nullptr;  // what is multiplied by it, with halo: the caller's phi, or a copy
+  FaceField<FineGrid> g_store_;       // these three: only where the caller's arrays can't be used in place
+  CellField<FineGrid> x_store_, b_store_;
   Multigrid<float> multigrid_;  // a preconditioner: half the bytes, and rounding is put right by the iteration
-  PetscVector rhs_, solution_, residual_;
+  PetscVector rhs_, solution_;  // rhs_ is the caller's array
+  PetscVector residual_;        // made when first needed
   PetscMatrix matrix_;
   PetscNullSpace constants_;
   PetscSolver ksp_;
 };
 
-PressureSolver::PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol)
-    : impl_(std::make_unique<Impl>(comm, grid, layout, rtol)) {}
+PressureSolver::PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo)
+    : impl_(std::make_unique<Impl>(comm, grid, layout, rtol, halo)) {}
 PressureSolver::~PressureSolver() = default;
 
 double PressureSolver::rtol() const {
   return impl_->rtol();
 }
 
+void PressureSolver::set_operator(FaceField<FineGrid>& conductance, bool singular) {
+  impl_->set_operator(conductance, singular);
+}
+
 void PressureSolver::set_operator(const FaceField<FineGrid>& conductance, bool singular) {
   impl_->set_operator(conductance, singular);
+}
+
+int PressureSolver::solve(CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
+  return impl_->solve(b, phi, atol);
 }
 
 int PressureSolver::solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {

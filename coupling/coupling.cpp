@@ -250,7 +250,9 @@ class Coupling::Impl {
   CellField<ParticleGrid> deleted_;  // fraction of solids deleted before this run; only if any_deleted_
   CellField<FineGrid> replaced_cells_;
   Interphase exchange_;
-  FaceField<FineGrid> deviation_, deviation_beta_;  // complete_drag(); allocated when first needed
+  NodeSpread source_, beta_;                 // its rows
+  NodeSpread deviation_, deviation_beta_;    // complete_drag(): then the source is held as a field
+  std::array<std::vector<double>, 3> rows_;  // scratch: made rows of faces
 
   // Particles of this coupling: indices, and what belongs to them.
   std::vector<int> inside_, leaving_, new_;
@@ -288,10 +290,13 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
   int rank = 0;
   MPI_Comm_rank(comm_, &rank);
   const Box own_nodes = node_layout(fluid.layout(), nodes_).cells(rank);
-  history_ = VoidHistory(grown_unless_empty(fluid.layout().cells(rank), Fluid::kHalo), settings_.interpolate);
+  history_ = VoidHistory(fluid.void_fraction().box(), settings_.interpolate);
   solid_.reset(own_nodes);
   eps_node_.reset(grown_unless_empty(own_nodes, 1), 1.0);
-  if (formulation_A()) residual_ = Residual(comm_, fluid_);
+  if (formulation_A()) {
+    residual_ = Residual(comm_, fluid_);
+    fluid_.keep_pressure_gradient();
+  }
   read_length_ = read_width(settings_);
   if (read_length_ == 0) read_length_ = narrowest(reader_.map().grid());
   cell_width_ = narrowest(nodes_);
@@ -361,7 +366,10 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
   const CellField<FineGrid>* replaced = replacement(p);
   if (!settings_.one_way) {
     react(p, interval);
-    if (report_.max_drag_number > kComplete || extremes_.follow > kFollow) complete_drag(p, interval);
+    if (report_.max_drag_number > kComplete || extremes_.follow > kFollow)
+      complete_drag(p, interval);
+    else
+      for (auto& field : exchange_.source) field = {};
   }
   FluidReport fluid;
   {
@@ -662,7 +670,9 @@ void Coupling::Impl::react(const Particles& p, double interval) {
     reader_.react(w, q);
   }
   Vec3 held_back;
-  reader_.collect(scale, exchange_.source, exchange_.beta, held_back);
+  reader_.collect(scale, source_, beta_, held_back);
+  exchange_.source_rows = &source_;
+  exchange_.beta_rows = &beta_;
   for (int d = 0; d < 3; ++d) ledger_.wall[d] += held_back[d] * interval;
 }
 
@@ -716,9 +726,21 @@ void Coupling::Impl::complete_drag(const Particles& p, double interval) {
   reader_.collect(scale, deviation_, deviation_beta_, held_back);
   for (int d = 0; d < 3; ++d) {
     ledger_.wall[d] += held_back[d] * interval;
-    for_each(reader_.map().faces(d), [&](int i, int j, int k) {
-      exchange_.source[d](i, j, k) += deviation_[d](i, j, k) - deviation_beta_[d](i, j, k) * u[d](i, j, k);
-    });
+    const Box& b = reader_.map().faces(d);
+    const int n = b.size(0);
+    FaceComponent<FineGrid>& source = exchange_.source[d];
+    source.reset(b);
+    for (auto& r : rows_) r.resize(std::max(r.size(), std::size_t(n)));
+    double *by = rows_[0].data(), *beta = rows_[1].data();
+    for (int k = b.lo[2]; k < b.hi[2]; ++k)
+      for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+        double* s = &source.data()[source.index(b.lo[0], j, k)];
+        const double* v = &u[d].data()[u[d].index(b.lo[0], j, k)];
+        source_.row(d, b.lo[0], j, k, n, s);
+        deviation_.row(d, b.lo[0], j, k, n, by);
+        deviation_beta_.row(d, b.lo[0], j, k, n, beta);
+        for (int i = 0; i < n; ++i) s[i] += by[i] - beta[i] * v[i];
+      }
   }
 }
 
@@ -744,13 +766,16 @@ void Coupling::Impl::kick(Particles& p, double interval) {
   ledger_.magnitude += size;
   for (int d = 0; d < 3; ++d) {
     const Box& b = reader_.map().faces(d);
+    const int n = b.size(0);
+    for (auto& r : rows_) r.resize(std::max(r.size(), std::size_t(n)));
     for (int k = b.lo[2]; k < b.hi[2]; ++k)
       for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+        const double *source = exchange_.source_row(d, b.lo[0], j, k, n, rows_[0].data()),
+                     *beta = exchange_.beta_row(d, b.lo[0], j, k, n, rows_[1].data()),
+                     *u = &mean[d].data()[mean[d].index(b.lo[0], j, k)];
         double row = 0;  // plain within a row, compensated over rows
-        for (int i = b.lo[0]; i < b.hi[0]; ++i) {
-          const double f = exchange_.source[d](i, j, k) - exchange_.beta[d](i, j, k) * mean[d](i, j, k);
-          row += f * reader_.map().face_volume(d, i, j, k);
-        }
+        for (int i = 0; i < n; ++i)
+          row += (source[i] - beta[i] * u[i]) * reader_.map().face_volume(d, b.lo[0] + i, j, k);
         ledger_.reaction[d] += row * interval;
       }
   }

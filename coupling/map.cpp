@@ -49,7 +49,6 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
       for (int m = 0; m <= r; ++m)
         half_[d][n * (r + 1) + m] = 0.5 * ((m > 0 ? a.width(n * r + m - 1) : 0) + (m < r ? a.width(n * r + m) : 0));
     inverse_[d].reset(own_);
-    share_[d].reset(below[rank]);
     const Array3<FaceState>& state = fluid.face_state(d);
     for_each(own_, [&](int I, int J, int K) {
       Box b = grid_.block(I, J, K);
@@ -63,7 +62,14 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
       });
       inverse_[d](I, J, K) = sum > 0 ? 1 / sum : 0.0;
     });
+    const Box& b = faces_[d];
+    for (int k = b.lo[2]; k < b.hi[2]; ++k)
+      for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+        const FaceState* s = &state.data()[state.index(b.lo[0], j, k)];
+        may_be_fixed_[d].push_back(std::find(s, s + b.size(0), FaceState::kFixed) != s + b.size(0));
+      }
   }
+  with_below_ = below[rank];
 }
 
 namespace {
@@ -121,44 +127,66 @@ void Map::mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGri
   }
 }
 
-Vec3 Map::spread(const std::array<const CellField<ParticleGrid>*, 3>& node, FaceField<FineGrid>& density) {
+Vec3 Map::spread(const std::array<const CellField<ParticleGrid>*, 3>& node, NodeSpread& density) const {
   Vec3 held_back{0, 0, 0};
+  density.map_ = this;
+  auto& share = density.share_;
   for (int d = 0; d < 3; ++d) {
+    if (!(share[d].box() == with_below_)) share[d].reset(with_below_);
     double sum = 0;
     for_each(own_, [&](int I, int J, int K) {
       const double q = (*node[d])(I, J, K), inverse = inverse_[d](I, J, K);
-      share_[d](I, J, K) = q * inverse;
+      share[d](I, J, K) = q * inverse;
       if (inverse == 0) sum += q;
     });
     held_back[d] = sum;
   }
-  below_.bring<double>({&share_[0], &share_[1], &share_[2]});
-  for (int d = 0; d < 3; ++d) {
-    const Array3<FaceState>& state = fluid_->face_state(d);
-    const CellField<ParticleGrid>& share = share_[d];
-    const std::ptrdiff_t down = share.stride(d);
-    const Box& b = faces_[d];
-    FaceComponent<FineGrid>& out = density[d];
-    for (int k = b.lo[2]; k < b.hi[2]; ++k)
-      for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-        const std::ptrdiff_t row = share.index(0, block_[1][j], block_[2][k]);
-        const FaceState* fixed = &state.data()[state.index(b.lo[0], j, k)];
-        double* o = &out.data()[out.index(b.lo[0], j, k)];
-        for (int i = b.lo[0]; i < b.hi[0]; ++i, ++fixed, ++o) {
-          if (*fixed == FaceState::kFixed) {
-            *o = 0;
-            continue;
-          }
-          const double above = above_[d][d == 0 ? i : d == 1 ? j : k];
-          const std::ptrdiff_t m = row + block_[0][i];
-          double s = 0;
-          if (above > 0) s = above * share.data()[m];
-          if (above < 1) s += (1 - above) * share.data()[m - down];
-          *o = s;
-        }
-      }
-  }
+  below_.bring<double>({&share[0], &share[1], &share[2]});
   return held_back;
+}
+
+template <int d>
+inline void NodeSpread::fill_row(int i, int j, int k, int n, double* out) const {
+  const Map& map = *map_;
+  const std::array<const int*, 3> block{map.block_[0].data(), map.block_[1].data(), map.block_[2].data()};
+  const CellField<ParticleGrid>& share = share_[d];
+  const std::ptrdiff_t down = d == 0 ? 1 : share.stride(d);
+  const double* row = share.data() + share.index(0, block[1][j], block[2][k]);
+  // A value of the block, and those of its faces: all the same but, along d, for the first.
+  auto value = [&](const double* s, double above) {
+    if (above >= 1) return *s;
+    return above > 0 ? above * *s + (1 - above) * s[-down] : s[-down];
+  };
+  const int r = map.grid_.ratio[0], end = i + n;
+  while (i < end) {
+    const double* s = row + block[0][i];
+    const int next = std::min(end, i - i % r + r);
+    if (d == 0) {
+      *out++ = value(s, map.above_[0][i]), ++i;
+      if (i < next) out = std::fill_n(out, next - i, *s);
+    } else {
+      out = std::fill_n(out, next - i, value(s, map.above_[d][d == 1 ? j : k]));
+    }
+    i = next;
+  }
+}
+
+void NodeSpread::row(int d, int i, int j, int k, int n, double* out) const {
+  if (n == 0) return;  // a rank without cells
+  d == 0 ? fill_row<0>(i, j, k, n, out) : d == 1 ? fill_row<1>(i, j, k, n, out) : fill_row<2>(i, j, k, n, out);
+  const Box& b = map_->faces_[d];
+  if (!map_->may_be_fixed_[d][(j - b.lo[1]) + std::size_t(b.size(1)) * (k - b.lo[2])]) return;
+  const Array3<FaceState>& state = map_->fluid_->face_state(d);
+  const FaceState* fixed = &state.data()[state.index(i, j, k)];
+  for (int q = 0; q < n; ++q)
+    if (fixed[q] == FaceState::kFixed) out[q] = 0;
+}
+
+void NodeSpread::field(int d, Array3<double>& out) const {
+  const Box& b = map_->faces_[d];
+  out.reset(b);
+  for (int k = b.lo[2]; k < b.hi[2]; ++k)
+    for (int j = b.lo[1]; j < b.hi[1]; ++j) row(d, b.lo[0], j, k, b.size(0), &out.data()[out.index(b.lo[0], j, k)]);
 }
 
 Inject::Inject(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const ParticleGrid& grid, Prolong kind,

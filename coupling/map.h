@@ -22,6 +22,8 @@ namespace twogrid {
 template <class T>
 using NodeVector = std::array<T, 3>;
 
+class NodeSpread;
+
 class Map {
  public:
   /// Keeps the fluid's face states of now. Collective.
@@ -43,10 +45,10 @@ class Map {
 
   /// `face` covers own faces and a halo of one, filled; `node` own nodes.
   void mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGrid>>& node) const;
-  /// node[d]: integrals over the node (N, kg/s); density[d]: per volume, on own faces. Components with the same values
-  /// may be one array given three times. Returns what nodes without a solved face held back, summed over own nodes.
-  /// Collective.
-  Vec3 spread(const std::array<const CellField<ParticleGrid>*, 3>& node, FaceField<FineGrid>& density);
+  /// node[d]: integrals over the node (N, kg/s); density: per volume, on own faces. Components with the same values may
+  /// be one array given three times. Returns what nodes without a solved face held back, summed over own nodes. The map
+  /// must live as long as density is used. Collective.
+  Vec3 spread(const std::array<const CellField<ParticleGrid>*, 3>& node, NodeSpread& density) const;
 
  private:
   const Fluid* fluid_;
@@ -62,8 +64,29 @@ class Map {
   std::array<std::vector<int>, 3> block_;        // node of fine cell i; of the last face: the last node
   std::array<std::vector<double>, 3> half_;      // [d][N (r + 1) + m]: width inside block N of its face m
   NodeVector<CellField<ParticleGrid>> inverse_;  // 1 / W_n, own nodes
-  NodeVector<CellField<ParticleGrid>> share_;    // q_n / W_n on own nodes and those below
+  // 1 where the face of a row of own faces of direction d, by index j + ny k of the row in faces_[d], may be fixed.
+  std::array<std::vector<unsigned char>, 3> may_be_fixed_;
+  Box with_below_;
   BlockExchange below_;
+
+  friend class NodeSpread;
+};
+
+/// What spread() makes: it holds values of nodes, and gives those of faces row by row.
+class NodeSpread : public FaceRows {
+ public:
+  void row(int d, int i, int j, int k, int n, double* out) const override;
+  /// All own faces of direction d (tests).
+  void field(int d, Array3<double>& out) const;
+
+ private:
+  template <int d>
+  void fill_row(int i, int j, int k, int n, double* out) const;
+
+  const Map* map_ = nullptr;
+  NodeVector<CellField<ParticleGrid>> share_;  // q_n / W_n on own nodes and those below
+
+  friend class Map;
 };
 
 /// Prolongation of the void fraction.

@@ -57,8 +57,7 @@ void Reader::clear_reaction() {
   for (auto& a : window_sum_) a.fill(0);
 }
 
-void Reader::collect(const std::array<FixedPoint, 2>& scale, FaceField<FineGrid>& source, FaceField<FineGrid>& beta,
-                     Vec3& held_back) {
+void Reader::collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back) {
   for (auto& a : node_sum_) a.fill(0);
   window_.add({&window_sum_[0], &window_sum_[1], &window_sum_[2], &window_sum_[3]},
               {&node_sum_[0], &node_sum_[1], &node_sum_[2], &node_sum_[3]});
@@ -67,11 +66,6 @@ void Reader::collect(const std::array<FixedPoint, 2>& scale, FaceField<FineGrid>
     for (std::size_t m = 0; m < node_sum_[c].size(); ++m)
       node_reaction_[c].data()[m] = unit.value(node_sum_[c].data()[m]);
   }
-  for (int d = 0; d < 3; ++d)
-    if (source[d].size() == 0) {
-      source[d].reset(map_.faces(d));
-      beta[d].reset(map_.faces(d));
-    }
   held_back = map_.spread({&node_reaction_[0], &node_reaction_[1], &node_reaction_[2]}, source);
   map_.spread({&node_reaction_[3], &node_reaction_[3], &node_reaction_[3]}, beta);
 }

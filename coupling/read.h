@@ -73,9 +73,8 @@ class Reader {
     for (int c = 0; c < kReactions; ++c) window_sum_[c].data()[node] += q[c];
   }
   /// Sums of all ranks on faces: source (components 0-2) and beta (3), per volume. held_back: what nodes without a
-  /// solved face kept of components 0-2. The fields are allocated if they aren't. Collective.
-  void collect(const std::array<FixedPoint, 2>& scale, FaceField<FineGrid>& source, FaceField<FineGrid>& beta,
-               Vec3& held_back);
+  /// solved face kept of components 0-2. Collective.
+  void collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back);
 
  private:
   Map map_;

@@ -24,19 +24,26 @@ void Residual::update(const Fluid& fluid, const CellField<FineGrid>& eps, const 
     const Array3<FaceState>& state = fluid.face_state(d);
     const FaceComponent<FineGrid>& gradient = fluid.mean_pressure_gradient()[d];
     const FaceComponent<FineGrid>& u = fluid.mean_velocity()[d];
-    const bool reacts = exchange.source[d].size() > 0;
-    for_each(own_[d], [&](int i, int j, int k) {
-      if (state(i, j, k) == FaceState::kFixed) return;
-      Int3 c{i, j, k}, under = c;
-      --under[d];
-      const double h0 = a.width(under[d]), h1 = a.width(c[d]);
-      const double e = (h0 * eps(under[0], under[1], under[2]) + h1 * eps(i, j, k)) / (h0 + h1);
-      const double balance =
-          gradient(i, j, k) - (reacts ? exchange.source[d](i, j, k) - exchange.beta[d](i, j, k) * u(i, j, k) : 0.0);
-      const double w = e / (1 + (1 - e) * density_ratio);
-      double& r = r_[d](i, j, k);
-      r += w * (-balance / e - r);
-    });
+    const Box& own = own_[d];
+    const int n = own.size(0);
+    source_.resize(n), beta_.resize(n);
+    for (int k = own.lo[2]; k < own.hi[2]; ++k)
+      for (int j = own.lo[1]; j < own.hi[1]; ++j) {
+        const double *source = exchange.source_row(d, own.lo[0], j, k, n, source_.data()),
+                     *beta = exchange.beta_row(d, own.lo[0], j, k, n, beta_.data());
+        for (int q = 0; q < n; ++q) {
+          const int i = own.lo[0] + q;
+          if (state(i, j, k) == FaceState::kFixed) continue;
+          Int3 c{i, j, k}, under = c;
+          --under[d];
+          const double h0 = a.width(under[d]), h1 = a.width(c[d]);
+          const double e = (h0 * eps(under[0], under[1], under[2]) + h1 * eps(i, j, k)) / (h0 + h1);
+          const double balance = gradient(i, j, k) - (source ? source[q] - beta[q] * u(i, j, k) : 0.0);
+          const double w = e / (1 + (1 - e) * density_ratio);
+          double& r = r_[d](i, j, k);
+          r += w * (-balance / e - r);
+        }
+      }
     halo_[d].bring<double>(r_[d]);
   }
 }

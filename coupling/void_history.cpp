@@ -10,7 +10,6 @@ VoidHistory::VoidHistory(const Box& box, Interpolate interpolate) : interpolate_
   if (interpolate_ == Interpolate::kLinear) return;
   rate_.reset(box);
   slope_begin_.reset(box);
-  slope_end_.reset(box);
 }
 
 void VoidHistory::start() {
@@ -25,27 +24,33 @@ VoidFractionInTime VoidHistory::begin(double interval, const CellField<FineGrid>
       double& e = now_.data()[m];
       e = std::clamp(e + replaced->data()[m], 0.5 * std::min(e, next_.data()[m]), 1.0);
     }
+  if (interpolate_ == Interpolate::kSmooth && last_interval_ == 0)
+    for (std::size_t m = 0; m < now_.size(); ++m)
+      slope_begin_.data()[m] = (next_.data()[m] - now_.data()[m]) / interval;
+  return path();
+}
+
+VoidFractionInTime VoidHistory::path() const {
   VoidFractionInTime eps;
   eps.begin = &now_;
   eps.end = &next_;
   if (interpolate_ == Interpolate::kLinear) return eps;
-  const double r = extrapolation(interval);
-  const bool first = last_interval_ == 0;
-  for (std::size_t m = 0; m < now_.size(); ++m) {
-    const double s = (next_.data()[m] - now_.data()[m]) / interval;
-    if (first) slope_begin_.data()[m] = s;
-    slope_end_.data()[m] = s + r * (s - rate_.data()[m]);
-    rate_.data()[m] = s;
-  }
   eps.slope_begin = &slope_begin_;
-  eps.slope_end = &slope_end_;
+  eps.rate_before = &rate_;
+  eps.extrapolation = extrapolation(interval_);
   return eps;
 }
 
 void VoidHistory::commit() {
+  if (interpolate_ == Interpolate::kSmooth) {
+    const VoidFractionInTime eps = path();
+    for (std::size_t m = 0; m < now_.size(); ++m) {
+      slope_begin_.data()[m] = eps.end_slope(std::ptrdiff_t(m), interval_);
+      rate_.data()[m] = (next_.data()[m] - now_.data()[m]) / interval_;
+    }
+  }
   now_.swap(next_);
   last_interval_ = interval_;
-  if (interpolate_ == Interpolate::kSmooth) slope_begin_.swap(slope_end_);
 }
 
 }  // namespace twogrid

@@ -15,7 +15,7 @@ namespace twogrid {
 class VoidHistory {
  public:
   VoidHistory() = default;
-  /// box: own fine cells and a halo of two.
+  /// box: of the fluid's fields.
   VoidHistory(const Box& box, Interpolate interpolate);
 
   /// eps at the end of the interval to come: to be filled, halo included, before begin().
@@ -35,10 +35,11 @@ class VoidHistory {
   }
 
  private:
+  VoidFractionInTime path() const;
+
   Interpolate interpolate_ = Interpolate::kSmooth;
   CellField<FineGrid> now_, next_;
-  CellField<FineGrid> rate_;                     // s_{n-1} (1/s)
-  CellField<FineGrid> slope_begin_, slope_end_;  // 1/s
+  CellField<FineGrid> rate_, slope_begin_;  // s_{n-1}, slope at the interval's begin (1/s)
   double interval_ = 0, last_interval_ = 0;
 };
 

@@ -94,7 +94,7 @@ class Output::Impl {
   void write_record(Hdf5File& file, const Settings& settings, const Record& record) const;
   void write_nodes(Hdf5File& file, const std::string& group, const Grid& grid) const;
   void write_fluid(Hdf5File& file, const std::string& at);
-  void write_faces(Hdf5File& file, const std::string& at) const;
+  void write_faces(Hdf5File& file, const std::string& at);
   void write_particles(Hdf5File& file, const std::string& at, const Particles& particles);
   void write_means(Hdf5File& file);
   void show_means();
@@ -290,20 +290,26 @@ void Output::Impl::write_fluid(Hdf5File& file, const std::string& at) {
   file.slab(at + "/u", s, buffer_.data(), "m/s");
 }
 
-void Output::Impl::write_faces(Hdf5File& file, const std::string& at) const {
+void Output::Impl::write_faces(Hdf5File& file, const std::string& at) {
   file.group(at);
   const Layout& layout = fluid_.layout();
-  auto put = [&](const std::string& name, const FaceField<FineGrid>& f) {
+  auto put = [&](const std::string& name, const Int3& all, const Box& own, const char* unit, auto value) {
+    buffer_.resize(own.count());
+    std::size_t m = 0;
+    for_each(own, [&](int i, int j, int k) { buffer_[m++] = value(i, j, k); });
+    file.slab(at + "/" + name, part_of(all, own, own), buffer_.data(), unit);
+  };
+  auto put_faces = [&](const std::string& name, auto value) {
     for (int d = 0; d < 3; ++d) {
       Int3 all = n_;
       if (!layout.periodic()[d]) ++all[d];
-      file.slab(at + "/" + name + kXyz[d], part_of(all, layout.faces(d, rank_), f[d].box()), f[d].data(), "m/s");
+      put(name + kXyz[d], all, layout.faces(d, rank_), "m/s", [&](int i, int j, int k) { return value(d, i, j, k); });
     }
   };
-  put("u", fluid_.velocity());
-  if (const auto* flux = fluid_.last_flux()) put("flux_", *flux);
-  if (const auto* rate = fluid_.last_dilation())
-    file.slab(at + "/deps_dt", part_of(n_, own_, rate->box()), rate->data(), "1/s");
+  put_faces("u", [&](int d, int i, int j, int k) { return fluid_.velocity()[d](i, j, k); });
+  if (!fluid_.knows_last_step()) return;
+  put_faces("flux_", [&](int d, int i, int j, int k) { return fluid_.flux(d, i, j, k); });
+  put("deps_dt", n_, own_, "1/s", [&](int i, int j, int k) { return fluid_.dilation(i, j, k); });
 }
 
 void Output::Impl::write_particles(Hdf5File& file, const std::string& at, const Particles& particles) {

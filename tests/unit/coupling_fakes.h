@@ -134,6 +134,20 @@ class FakeFluid : public Fluid {
   double density_, viscosity_, time_ = 0;
 };
 
+/// Rows of an exchange as a field of one direction.
+inline Array3<double> made(const FaceRows* rows, int d, const Box& faces) {
+  Array3<double> f(faces);
+  for (int k = faces.lo[2]; k < faces.hi[2]; ++k)
+    for (int j = faces.lo[1]; j < faces.hi[1]; ++j)
+      rows->row(d, faces.lo[0], j, k, faces.size(0), &f.data()[f.index(faces.lo[0], j, k)]);
+  return f;
+}
+/// Source of an exchange, held or made.
+inline Array3<double> source_of(const Interphase& x, int d, const Box& faces) {
+  if (x.source[d].size() == 0) return made(x.source_rows, d, faces);
+  return x.source[d];
+}
+
 /// Particles that a test owns.
 struct Bodies {
   std::vector<std::array<double, 3>> x, v, f;

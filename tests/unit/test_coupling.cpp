@@ -110,9 +110,9 @@ struct OneBody {
     fluid->set(f, [&](int d, const Vec3&) { return d == 2 ? z : 0.0; });
   }
   /// Mean of the z component of a reaction over the box.
-  double box_mean(const FaceField<FineGrid>& f) {
+  double box_mean(const Array3<double>& f) {
     double sum = 0;
-    for (std::size_t m = 0; m < f[2].size(); ++m) sum += f[2].data()[m];
+    for (std::size_t m = 0; m < f.size(); ++m) sum += f.data()[m];
     return mean(sum) * (volume / 64) / volume;
   }
 
@@ -149,7 +149,8 @@ void close_box(OneBody& s) {
     const double un = -(OneBody::kSolid / OneBody::kEps) * extrapolated;
     const double a = s.intervals > 0 ? 1.5 : 1.0, c = a - 1;
     const double inertia = OneBody::kRhoF * OneBody::kEps * (a * (un - s.u) - c * (s.u - s.u_before)) / D;
-    const double gradient = s.box_mean(x.source) - s.box_mean(x.beta) * un - inertia;
+    const double gradient = s.box_mean(source_of(x, 2, s.fluid->own_faces_[2])) -
+                            s.box_mean(made(x.beta_rows, 2, s.fluid->own_faces_[2])) * un - inertia;
     s.d_before = d, s.u_before = s.u, s.u = un, ++s.intervals;
     s.set_all(s.fluid->u_, un);
     s.set_all(s.fluid->mean_, un);
@@ -163,8 +164,9 @@ void open_box(OneBody& s, bool second_order = true) {
     const double a = second_order && s.intervals > 0 ? 1.5 : 1.0, c = a - 1,
                  inertia = OneBody::kRhoF * OneBody::kEps / D;
     const double gradient = (s.rho_p - OneBody::kRhoF) * OneBody::kSolid * s.g;
-    const double un = (inertia * (a * s.u + c * (s.u - s.u_before)) - gradient + s.box_mean(x.source)) /
-                      (inertia * a + s.box_mean(x.beta));
+    const double un = (inertia * (a * s.u + c * (s.u - s.u_before)) - gradient +
+                       s.box_mean(source_of(x, 2, s.fluid->own_faces_[2]))) /
+                      (inertia * a + s.box_mean(made(x.beta_rows, 2, s.fluid->own_faces_[2])));
     s.u_before = s.u, s.u = un, ++s.intervals;
     s.set_all(s.fluid->u_, un);
     s.set_all(s.fluid->mean_, un);
@@ -410,7 +412,8 @@ TEST(CouplingLedger, LeavingParticleSettlesItsAccount) {
   double source = 0;
   s.fluid.on_advance = [&](double, const VoidFractionInTime&, const Interphase& x) {
     source = 0;
-    for (std::size_t m = 0; m < x.source[2].size(); ++m) source += x.source[2].data()[m];
+    const Array3<double> f = source_of(x, 2, s.fluid.own_faces_[2]);
+    for (std::size_t m = 0; m < f.size(); ++m) source += f.data()[m];
   };
   for (auto& x : s.bodies.x) x[2] = 2.5;
   s.advance(5);
@@ -510,7 +513,7 @@ TEST(CouplingOneWay, TheFluidKnowsNothing) {
   s.fluid.set(s.fluid.gradient_, [](int d, const Vec3&) { return d == 2 ? -7.0 : 0.0; });
   s.fluid.on_advance = [&](double, const VoidFractionInTime& eps, const Interphase& x) {
     for (std::size_t m = 0; m < eps.end->size(); ++m) EXPECT_EQ(eps.end->data()[m], 1);
-    for (int d = 0; d < 3; ++d) EXPECT_EQ(x.source[d].size() + x.beta[d].size(), 0u);
+    EXPECT_FALSE(x.reacts() || x.beta_rows);
   };
   s.begin();
   s.advance(5);

@@ -93,8 +93,9 @@ TEST(Map, WallsHaveNoWeight) {
     sum += q[1](i, j, k);
   });
   FaceField<FineGrid> density;
-  for (int d = 0; d < 3; ++d) density[d].reset(s.map->faces(d));
-  const Vec3 held = s.map->spread({&q[0], &q[1], &q[2]}, density);
+  NodeSpread spread;
+  const Vec3 held = s.map->spread({&q[0], &q[1], &q[2]}, spread);
+  for (int d = 0; d < 3; ++d) spread.field(d, density[d]);
   EXPECT_EQ(held[0], 0);
   EXPECT_NEAR(total(held[1]), total(sum), 1e-12 * total(sum));
   for (std::size_t m = 0; m < density[1].size(); ++m) EXPECT_EQ(density[1].data()[m], 0);
@@ -122,8 +123,9 @@ TEST(Map, SpreadIsTheTransposeOfMean) {
           }
         });
         FaceField<FineGrid> density;
-        for (int d = 0; d < 3; ++d) density[d].reset(s.map->faces(d));
-        const Vec3 held = s.map->spread({&q[0], &q[1], &q[2]}, density);
+        NodeSpread spread;
+        const Vec3 held = s.map->spread({&q[0], &q[1], &q[2]}, spread);
+        for (int d = 0; d < 3; ++d) spread.field(d, density[d]);
         for (int d = 0; d < 3; ++d) {
           received += held[d];
           for_each(s.map->faces(d), [&](int i, int j, int k) {

@@ -92,8 +92,9 @@ class FormulaFluid : public Fluid {
   const FaceField<FineGrid>& mean_pressure_gradient() const override { return u_; }
   const CellField<FineGrid>& pressure() const override { return p_; }
   const CellField<FineGrid>& void_fraction() const override { return eps_; }
-  const FaceField<FineGrid>* last_flux() const override { return &flux_; }
-  const CellField<FineGrid>* last_dilation() const override { return &dilation_; }
+  bool knows_last_step() const override { return true; }
+  double flux(int d, int i, int j, int k) const override { return flux_[d](i, j, k); }
+  double dilation(int i, int j, int k) const override { return dilation_(i, j, k); }
   double time() const override { return 0.01 * now_; }
   void start(const CellField<FineGrid>&) override {}
   FluidReport advance(double, const VoidFractionInTime&, const Interphase&) override { return {}; }

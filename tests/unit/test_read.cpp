@@ -143,7 +143,9 @@ TEST(Reading, ReactionIsTheTransposeOnAnyRanks) {
           s.reader->react(w, i);
         }
         Vec3 held;
-        s.reader->collect(scale, source[run], beta[run], held);
+        NodeSpread made_source, made_beta;
+        s.reader->collect(scale, made_source, made_beta, held);
+        for (int d = 0; d < 3; ++d) made_source.field(d, source[run][d]), made_beta.field(d, beta[run][d]);
         if (comm == MPI_COMM_WORLD)
           for (int d = 0; d < 3; ++d) {
             Sum face_side, received, coefficient;

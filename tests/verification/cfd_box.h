@@ -18,7 +18,7 @@ struct CfdBox {
   FineGrid grid;
   Layout layout;
   std::unique_ptr<FluidSolver> fluid;
-  CellField<FineGrid> eps_begin, eps_end;  // own cells and halo of two
+  CellField<FineGrid> eps_begin, eps_end;  // own cells and halo
 
   using Cuts = std::array<std::vector<int>, 3>;
 
@@ -38,9 +38,8 @@ struct CfdBox {
     for (int d = 0; d < 3; ++d) cuts[d] = given ? (*given)[d] : cuts_even(grid.axis[d], dims[d]);
     layout = Layout(grid, cuts);
     fluid = std::make_unique<FluidSolver>(comm, grid, layout, s);
-    const Box own = layout.cells(rank_), local = own.empty() ? Box{} : own.grown(Fluid::kHalo);
-    eps_begin.reset(local, 1.0);
-    eps_end.reset(local, 1.0);
+    eps_begin.reset(fluid->void_fraction().box(), 1.0);
+    eps_end.reset(fluid->void_fraction().box(), 1.0);
     fluid->start(eps_begin);
   }
 

@@ -146,7 +146,7 @@ TEST(Jet, MomentumBalanceOfTheDomain) {
         double out = 0;
         box.fluid->boundaries().for_each_face(2 * d + 1, [&](int, int i, int j, int k) {
           const double u = 2 * before(i, j, k) - older(i, j, k);
-          const double face_eps = box.fluid->flux()[d](i, j, k) / box.fluid->velocity()[d](i, j, k);
+          const double face_eps = box.fluid->flux(d, i, j, k) / box.fluid->velocity()[d](i, j, k);
           out += 1.2 * face_eps * u * u * box.grid.area(d, i, j, k);
         });
         const double A = 0.05 * 0.01;
