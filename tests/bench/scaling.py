@@ -203,8 +203,8 @@ def main():
             print(f"     exponent, {name}: {e:.3f}")
     cells = [r for r in rows if r["series"] == "cells"]
     n = np.array([r["cells"] for r in cells])
-    check("exponent against fine cells: fluid, map, deposit", exponent(n, [fluid_us(r) for r in cells]), 1.08, "{:.3f}")
-    print(f"     exponent, fluid alone: {exponent(n, [r['cpu_us'] * r['share_fluid'] / r['fluid_steps'] for r in cells]):.3f}")
+    check("exponent of cost against fine cells, fluid", exponent(n, [r["cpu_us"] * r["share_fluid"] / r["fluid_steps"] for r in cells]), 1.08, "{:.3f}")
+    print(f"     exponent, fluid, map and deposit (of which a part belongs to the particles): {exponent(n, [fluid_us(r) for r in cells]):.3f}")
     a_cell = (cells[-1]["peak_MB"] - cells[0]["peak_MB"]) * 1e6 / (n[-1] - n[0])
     check("memory a fine cell", a_cell, 400, "{:.0f} bytes")
     (n0, _), (n1, _) = sorted(k for k in lean if k[1] == "gas")
