@@ -2,7 +2,7 @@
 """What several ranks gain and cost, on the common case (common_case.py) or the jetting bed.
 
     ranks.py EXECUTABLE [--case common|jetting] [--part time|work] [--fine NX NY NZ RX RY RZ] [--folder F]
-             [--library LIBMPI_COUNT] [--quick]
+             [--library LIBMPI_COUNT] [--most RANKS] [--quick]
 
 time: wall time of two ranks (side by side in x) against one, from the same bubbling states, of
         coupled         the whole run with gas
@@ -200,14 +200,14 @@ def messages(bench, script, ranks, options, library, warm, steps):
     return {part: (counts[warm + steps][part] - counts[warm][part]) / steps for part in traffic.PARTS}
 
 
-def work_part(case, fine, library, quick):
+def work_part(case, fine, library, quick, wanted):
     warm, steps = (10, 20) if quick else (20, 100)
     state, most = case.states[len(case.states) // 2], 0
     print(f"{np.prod(fine[:3])} fine cells; instructions outside MPI, all ranks, a particle and DEM step ({steps} steps from {state})")
     kinds = (("coupled", True, []), ("LIGGGHTS alone", False, STOCK))
     for name, gas, options in kinds:
         one = None
-        for ranks in (1, 2) if quick else GRIDS:
+        for ranks in wanted:
             script = case.script(state, GRIDS[ranks], gas)
             n, parts = instructions(case.bench, script, ranks, options, warm, steps)
             one = one or n
@@ -219,7 +219,7 @@ def work_part(case, fine, library, quick):
     print(f"{'ok  ' if most <= 0.1 else 'FAIL'} growth of the coupled run's instructions {100 * most:.1f} % (wanted at most 10 %)")
     if library:
         print(f"messages and bytes a rank and DEM step, mean (most); collectives, mean; coupled every {EVERY} steps")
-        for ranks in (2,) if quick else [r for r in GRIDS if r > 1]:
+        for ranks in wanted[1:]:
             sent = messages(case.bench, case.script(state, GRIDS[ranks], True), ranks, [], library, 20, steps)
             sent["all"] = sum(sent.values())
             for part, c in sent.items():
@@ -238,6 +238,7 @@ def main():
     parser.add_argument("--library", help="libmpi_count.so of the build folder; without it no messages are counted")
     parser.add_argument("--steps", type=int, default=2000, help="DEM steps that are timed in each state")
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--most", type=int, default=16, help="ranks up to which work is counted")
     parser.add_argument("--quick", action="store_true", help="one state, few steps, two ranks: shows that it works")
     a = parser.parse_args()
     steps, repeats, states = (200, 1, 1) if a.quick else (a.steps, a.repeats, 4 if a.case == "common" else 2)
@@ -249,7 +250,7 @@ def main():
         if a.part != "work":
             good &= time_part(case, steps, repeats)
         if a.part != "time" and a.case == "common":
-            good &= work_part(case, a.fine, a.library and os.path.abspath(a.library), a.quick)
+            good &= work_part(case, a.fine, a.library and os.path.abspath(a.library), a.quick, [1, 2] if a.quick else [r for r in GRIDS if r <= a.most])
     sys.exit(0 if good else 1)
 
 
