@@ -21,6 +21,7 @@ work: (common case only) on 1, 2, 4, 8, 16 ranks, more than there are cores:
         Wanted: not more than 10 % above one rank's. By library, and for LIGGGHTS alone too.
         messages and bytes a rank and DEM step (mean and most), by the library mpi_count that is preloaded, as in cases/studies/traffic
       A low bed is cut upright only: 2 1 1, 4 1 1, 4 2 1, 8 2 1. A cut in z at half the box would leave the upper ranks without particles.
+      Such cuts are the worst for the fluid, whose rows of cells run along x.
 
 Without --folder everything is made anew (a minute or two more); in a folder the states are kept.
 """
