@@ -90,12 +90,12 @@ class Bench:
     def __init__(self, executable, folder, ranks):
         self.executable, self.folder, self.ranks = os.path.abspath(executable), folder, ranks
 
-    def run(self, name, script, options=(), ranks=None):
-        """CPU seconds, and what was printed."""
+    def run(self, name, script, options=(), ranks=None, prefix=()):
+        """CPU seconds, and what was printed. prefix: what starts the program on every rank, such as valgrind."""
         with open(os.path.join(self.folder, "in." + name), "w") as f:
             f.write(script)
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = subprocess.run([MPIRUN, str(ranks or self.ranks), self.executable, "-in", "in." + name, "-log", "log." + name, *options],
+        done = subprocess.run([MPIRUN, str(ranks or self.ranks), *prefix, self.executable, "-in", "in." + name, "-log", "log." + name, *options],
                               cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if done.returncode:
