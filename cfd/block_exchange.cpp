@@ -32,16 +32,37 @@ void pack(const Array3<T>& a, const Box& b, T*& out) {
 }
 
 template <class T>
+void unpack_row(T* row, const T* in, int n, bool accumulate) {
+  if (accumulate)
+    for (int i = 0; i < n; ++i) row[i] = T(row[i] + in[i]);
+  else
+    std::memcpy(row, in, n * sizeof(T));
+}
+
+template <class T>
 void unpack(Array3<T>& a, const Box& b, const T*& in, bool accumulate) {
   const int n = b.size(0);
   for (int k = b.lo[2]; k < b.hi[2]; ++k)
-    for (int j = b.lo[1]; j < b.hi[1]; ++j, in += n) {
-      T* row = &a.data()[a.index(b.lo[0], j, k)];
-      if (accumulate)
-        for (int i = 0; i < n; ++i) row[i] = T(row[i] + in[i]);
-      else
-        std::memcpy(row, in, n * sizeof(T));
-    }
+    for (int j = b.lo[1]; j < b.hi[1]; ++j, in += n) unpack_row(&a.data()[a.index(b.lo[0], j, k)], in, n, accumulate);
+}
+
+/// The same without a buffer between; the boxes are of one size and don't overlap in one array.
+template <class T>
+void carry_over(const Array3<T>& from, const Box& b, Array3<T>& to, const Box& at, bool accumulate) {
+  for (int k = 0; k < b.size(2); ++k)
+    for (int j = 0; j < b.size(1); ++j)
+      unpack_row(&to.data()[to.index(at.lo[0], at.lo[1] + j, at.lo[2] + k)],
+                 &from.data()[from.index(b.lo[0], b.lo[1] + j, b.lo[2] + k)], b.size(0), accumulate);
+}
+
+/// Room for the values of all fields, one peer after the other.
+template <class T, class Peers>
+T* make_room(const Peers& peers, std::size_t fields, std::vector<double>& buffer) {
+  std::size_t values = 0;
+  for (const auto& p : peers) values += p.count * fields;
+  const std::size_t doubles = (values * sizeof(T) + sizeof(double) - 1) / sizeof(double);
+  if (buffer.size() < doubles) buffer.resize(doubles);
+  return reinterpret_cast<T*>(buffer.data());
 }
 
 }  // namespace
@@ -94,45 +115,39 @@ void BlockExchange::transfer(const std::vector<Peer>& from, const std::vector<Pe
   // `to` peers get what they want out of `source`; `from` peers' values arrive in `target`. Peers are in rank order,
   // so that sums don't depend on the order of arrival.
   const std::size_t fields = source.size();
-  std::vector<std::vector<T>> out(to.size()), in(from.size());
-  std::vector<MPI_Request> request(to.size() + from.size());
+  request_.resize(to.size() + from.size());
   constexpr int tag = 4711;
-  for (std::size_t p = 0; p < from.size(); ++p) {
-    in[p].resize(from[p].count * fields);
-    MPI_Irecv(in[p].data(), mpi_count<T>(in[p].size()), mpi_type<T>(), from[p].rank, tag, comm_, &request[p]);
-  }
+  T* const in = make_room<T>(from, fields, in_);
+  T* at = in;
+  for (std::size_t p = 0; p < from.size(); at += from[p++].count * fields)
+    MPI_Irecv(at, mpi_count<T>(from[p].count * fields), mpi_type<T>(), from[p].rank, tag, comm_, &request_[p]);
   auto window_box = [](const Piece& q) { return q.owner.shifted(q.shift); };
+  T* out = make_room<T>(to, fields, out_);
   for (std::size_t p = 0; p < to.size(); ++p) {
-    out[p].resize(to[p].count * fields);
-    T* o = out[p].data();
+    T* const first = out;
     for (const auto* a : source)
-      for (const Piece& q : to[p].pieces) pack(*a, to_window ? q.owner : window_box(q), o);
-    MPI_Isend(out[p].data(), mpi_count<T>(out[p].size()), mpi_type<T>(), to[p].rank, tag, comm_,
-              &request[from.size() + p]);
+      for (const Piece& q : to[p].pieces) pack(*a, to_window ? q.owner : window_box(q), out);
+    MPI_Isend(first, mpi_count<T>(to[p].count * fields), mpi_type<T>(), to[p].rank, tag, comm_,
+              &request_[from.size() + p]);
   }
   auto own_pieces = [&] {
-    std::vector<T> buffer;
     for (std::size_t a = 0; a < fields; ++a)
       for (const Piece& q : self_) {
-        const bool same_place = q.shift == Int3{0, 0, 0};
-        if (in_place && same_place) continue;
-        buffer.resize(q.owner.count());
-        T* o = buffer.data();
-        pack(*source[a], to_window ? q.owner : window_box(q), o);
-        const T* i = buffer.data();
-        unpack(*target[a], to_window ? window_box(q) : q.owner, i, accumulate);
+        if (in_place && q.shift == Int3{0, 0, 0}) continue;
+        const Box window = window_box(q);
+        carry_over(*source[a], to_window ? q.owner : window, *target[a], to_window ? window : q.owner, accumulate);
       }
   };
+  const T* arrived = in;
   bool own_done = false;
   for (std::size_t p = 0; p < from.size(); ++p) {
     if (!own_done && from[p].rank > rank_) own_pieces(), own_done = true;
-    MPI_Wait(&request[p], MPI_STATUS_IGNORE);
-    const T* i = in[p].data();
+    MPI_Wait(&request_[p], MPI_STATUS_IGNORE);
     for (auto* a : target)
-      for (const Piece& q : from[p].pieces) unpack(*a, to_window ? window_box(q) : q.owner, i, accumulate);
+      for (const Piece& q : from[p].pieces) unpack(*a, to_window ? window_box(q) : q.owner, arrived, accumulate);
   }
   if (!own_done) own_pieces();
-  MPI_Waitall(int(to.size()), request.data() + from.size(), MPI_STATUSES_IGNORE);
+  MPI_Waitall(int(to.size()), request_.data() + from.size(), MPI_STATUSES_IGNORE);
 }
 
 template <class T>

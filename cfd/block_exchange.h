@@ -54,6 +54,8 @@ class BlockExchange {
   std::vector<Peer> send_;     // of owned values that others (or this rank's window) want
   std::vector<Peer> receive_;  // of wanted values, by owner
   std::vector<Piece> self_;
+  mutable std::vector<double> in_, out_;      // messages: kept, so that a transfer allocates nothing
+  mutable std::vector<MPI_Request> request_;  // of those from others, then of those to others
 };
 
 }  // namespace twogrid
