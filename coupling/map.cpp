@@ -158,6 +158,22 @@ inline void NodeSpread::fill_row(int i, int j, int k, int n, double* out) const 
     return above > 0 ? above * *s + (1 - above) * s[-down] : s[-down];
   };
   const int r = map.grid_.ratio[0], end = i + n;
+  if (r == 1) {
+    const double *const s = row + i, *const below = s - down;
+    if (d != 0) {
+      const double above = map.above_[d][d == 1 ? j : k], rest = 1 - above;
+      if (above == 0 || above == 1)
+        std::copy_n(above == 1 ? s : below, n, out);
+      else
+        for (int q = 0; q < n; ++q) out[q] = above * s[q] + rest * below[q];
+      return;
+    }
+    const double* const above = &map.above_[0][i];
+    const int nodes = std::min(n, map.grid_.n()[0] - i);  // there is none above the last face
+    for (int q = 0; q < nodes; ++q) out[q] = above[q] * s[q] + (1 - above[q]) * below[q];
+    for (int q = nodes; q < n; ++q) out[q] = value(s + q, above[q]);
+    return;
+  }
   while (i < end) {
     const double* s = row + block[0][i];
     const int next = std::min(end, i - i % r + r);

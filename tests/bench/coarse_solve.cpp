@@ -2,7 +2,7 @@
 // least one cell a rank; every rank solves it by the same sparse LDL^T as cfd/multigrid.cpp. Prints, for n x n x n cells, CPU ms of the
 // factorisation (once a fluid step, pattern known) and of a solve (once an iteration), and the entries of L. For cost_model.py.
 //
-//   g++ -O3 -march=native -I/usr/include/eigen3 coarse_solve.cpp -o coarse_solve && ./coarse_solve
+//   cases/build.sh coarse_solve && build/tests/coarse_solve      (figures in cost_model.py: with -march=native)
 #include <time.h>
 
 #include <Eigen/SparseCholesky>
