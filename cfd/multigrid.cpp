@@ -402,6 +402,96 @@ class Multigrid<T>::Coarsest {
   Eigen::VectorXd rhs_, solution_;
 };
 
+/// The last level of several ranks, whole on every one of them, with a multigrid of its own.
+template <class T>
+class Multigrid<T>::Gathered {
+ public:
+  Gathered(MPI_Comm comm, const Level& level, const Lines& lines, const Int3& halo)
+      : comm_(comm), boxes_(level.all), whole_(MPI_COMM_SELF, grid(lines, level), layout(lines, level), halo) {
+    MPI_Comm_rank(comm, &rank_);
+    int cells = 0;
+    for (const Box& box : boxes_) {
+      first_.push_back(cells);
+      count_.push_back(int(box.count()));
+      first_faces_.push_back(kFaces * cells);
+      count_faces_.push_back(kFaces * count_.back());
+      cells += count_.back();
+    }
+    mine_.resize(std::size_t(kFaces) * count_[rank_]);
+    all_.resize(std::size_t(kFaces) * cells);
+    for (auto& g : g_) g.reset(Box{{0, 0, 0}, level.n}.grown(1));
+  }
+
+  void set_operator(const Level& l, bool singular) {
+    double* out = mine_.data();
+    for_each(l.own, [&](int i, int j, int k) {
+      for (int d = 0; d < 3; ++d) {
+        const T* g = &l.g[d].data()[l.g[d].index(i, j, k)];
+        *out++ = double(g[0]);
+        *out++ = double(g[l.g[d].stride(d)]);
+      }
+    });
+    gather(count_faces_, first_faces_);
+    const double* in = all_.data();
+    for (const Box& box : boxes_)
+      for_each(box, [&](int i, int j, int k) {
+        for (int d = 0; d < 3; ++d) {
+          double* g = &g_[d](i, j, k);
+          g[0] = *in++;
+          g[g_[d].stride(d)] = *in++;
+        }
+      });
+    for (int e = 0; e < 3; ++e)
+      if (l.periodic[e]) bring_images(e, l.n[e]);
+    whole_.set_operator(g_, singular);
+  }
+
+  void solve(Level& l) {
+    double* out = mine_.data();
+    for_each(l.own, [&](int i, int j, int k) { *out++ = double(l.b(i, j, k)); });
+    gather(count_, first_);
+    const double* in = all_.data();
+    for (const Box& box : boxes_) for_each(box, [&](int i, int j, int k) { whole_.b()(i, j, k) = T(*in++); });
+    whole_.cycle();
+    for_each(l.own, [&](int i, int j, int k) { l.x(i, j, k) = whole_.x()(i, j, k); });
+  }
+
+ private:
+  static constexpr int kFaces = 6;  // values a cell: conductance of its low and high face in each direction
+
+  /// Faces of the cells beyond the sides of a periodic direction.
+  void bring_images(int e, int n) {
+    for (auto& g : g_) {
+      Box side = g.box();
+      side.lo[e] = 0, side.hi[e] = 1;
+      for_each(side, [&](int i, int j, int k) {
+        double* at = &g(i, j, k);
+        at[-g.stride(e)] = at[(n - 1) * g.stride(e)];
+        at[n * g.stride(e)] = at[0];
+      });
+    }
+  }
+  static Grid grid(const Lines& lines, const Level& level) {
+    Grid g;
+    for (int d = 0; d < 3; ++d) g.axis[d] = Axis(lines[d].node, level.periodic[d]);
+    return g;
+  }
+  static Layout layout(const Lines& lines, const Level& level) {
+    return Layout(grid(lines, level), {std::vector<int>{0, level.n[0]}, {0, level.n[1]}, {0, level.n[2]}});
+  }
+  void gather(const std::vector<int>& count, const std::vector<int>& first) {
+    MPI_Allgatherv(mine_.data(), count[rank_], MPI_DOUBLE, all_.data(), count.data(), first.data(), MPI_DOUBLE, comm_);
+  }
+
+  MPI_Comm comm_;
+  int rank_ = 0;
+  std::vector<Box> boxes_;
+  Multigrid<T> whole_;
+  std::vector<int> first_, count_, first_faces_, count_faces_;  // by rank: cells, and values of their faces
+  std::vector<double> mine_, all_;
+  std::array<Array3<double>, 3> g_;
+};
+
 template <class T>
 Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, const Int3& halo) {
   int rank = 0;
@@ -418,7 +508,8 @@ Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, c
       }
     const Int3 n{lines[0].n(), lines[1].n(), lines[2].n()};
     levels_.emplace_back(comm, rank, std::move(boxes), n, grid.periodic(), halo);
-    if (double(n[0]) * n[1] * n[2] <= kDirect) break;
+    const double cells = double(n[0]) * n[1] * n[2];
+    if (cells <= kDirect || (layout.ranks() > 1 && cells <= kGather)) break;
     const Parents parents = choose_pairs(lines, kStretch, kShrink);
     if (parents[0].empty()) break;
     Level& fine = levels_.back();
@@ -440,7 +531,11 @@ Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, c
       lines[d] = coarse_line(lines[d], parents[d]);
     }
   }
-  coarsest_ = std::make_unique<Coarsest>(comm, levels_.back());
+  const Int3& n = levels_.back().n;
+  if (layout.ranks() > 1 && double(n[0]) * n[1] * n[2] > kDirect)
+    gathered_ = std::make_unique<Gathered>(comm, levels_.back(), lines, halo);
+  else
+    coarsest_ = std::make_unique<Coarsest>(comm, levels_.back());
 }
 
 template <class T>
@@ -460,7 +555,10 @@ void Multigrid<T>::set_operator(const std::array<const Array3<double>*, 3>& g, b
   }
   fine.finish_operator();
   for (std::size_t l = 0; l + 1 < levels_.size(); ++l) coefficients(levels_[l], levels_[l + 1]);
-  coarsest_->set_operator(levels_.back(), singular);
+  if (gathered_)
+    gathered_->set_operator(levels_.back(), singular);
+  else
+    coarsest_->set_operator(levels_.back(), singular);
 }
 
 template <class T>
@@ -482,7 +580,10 @@ void Multigrid<T>::cycle(std::size_t l) {
   constexpr int red = 0, black = 1;
   Level& fine = levels_[l];
   if (l + 1 == levels_.size()) {
-    coarsest_->solve(fine);
+    if (gathered_)
+      gathered_->solve(fine);
+    else
+      coarsest_->solve(fine);
     return;
   }
   Level& coarse = levels_[l + 1];

@@ -10,6 +10,8 @@
 // series (half of the face inside each pair, and the face between), and parallel lines add up.
 // Prolongation. In every direction linear between the two coarse centres in terms of that resistance, so that the flux
 // is continuous where coefficients jump. Restriction is its transpose.
+// Few cells a rank. A level of at most kGather cells, and one that bricks can't make smaller (each has a cell left), is
+// gathered on every rank, and a multigrid of its own goes on there without messages, merging across bricks.
 // Smoother. Red-black Gauss-Seidel: red, black before; black, red after the coarse correction.
 #pragma once
 
@@ -41,6 +43,9 @@ class Multigrid {
   /// A level of at most so many cells on all ranks is solved directly.
   static constexpr int kDirect = 100;
 
+  /// A level of at most so many cells on all of several ranks is gathered on each of them.
+  static constexpr int kGather = 1000;
+
   /// All ranks give the same arguments. halo[d]: 1, or 0 where one cell lies between closed sides in d (y or z): no
   /// memory is held beyond them.
   Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, const Int3& halo = {1, 1, 1});
@@ -67,11 +72,13 @@ class Multigrid {
  private:
   struct Level;
   class Coarsest;
+  class Gathered;
   void cycle(std::size_t l);
   static void coefficients(Level& fine, Level& coarse);
 
   std::vector<Level> levels_;
-  std::unique_ptr<Coarsest> coarsest_;
+  std::unique_ptr<Coarsest> coarsest_;  // one of these two solves the last level
+  std::unique_ptr<Gathered> gathered_;
 };
 
 }  // namespace twogrid
