@@ -201,6 +201,8 @@ class Coupling::Impl {
   void at_places(const Particles& p, F f) const;
   void kick(Particles& p, double interval);
   void read(Particles& p, double interval);
+  template <bool kA>
+  void read_particles(Particles& p, double interval, bool polydisperse, Extremes& mine);
   void rebuild_pressure_force(Particles& p);
   void choose_hold(double drag_number);
   void close_ledger(double interval);
@@ -803,9 +805,32 @@ void Coupling::Impl::read(Particles& p, double interval) {
       compiled::kPolydisperse && report_.particles > 0 && extremes_.radius > smallest * (1 + 1e-9);
   if (polydisperse) motion().average_diameters(p, inside_, extremes_.radius, terms_);
 
+  Extremes mine;
+  if (A)
+    read_particles<compiled::kFormulationA>(p, interval, polydisperse, mine);
+  else
+    read_particles<false>(p, interval, polydisperse, mine);
+  for (int i : leaving_) set_outside(p, i);
+  double largest[6] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number, mine.follow, mine.speed2},
+         all[6];
+  MPI_Allreduce(largest, all, 6, MPI_DOUBLE, MPI_MAX, comm_);
+  extremes_.follow = all[4];
+  report_.travel = std::sqrt(all[5]) * interval / cell_width_;
+  choose_hold(all[3]);
+  if (settings_.one_way || !(A || holding_)) return;
+  MeanMotion::Largest scale;
+  scale.mass = extremes_.mass, scale.momentum = all[0], scale.drag = all[1], scale.drag_coefficient = all[2];
+  scale.terms = terms_;
+  motion().couple(p, inside_, flux_velocity_, eps_node_, scale, A);
+  if (A) rebuild_pressure_force(p);
+}
+
+/// u, eps and in formulation A the residual at the particles, and b_p by the drag law; `mine`: this rank's largest
+/// values.
+template <bool kA>
+void Coupling::Impl::read_particles(Particles& p, double interval, bool polydisperse, Extremes& mine) {
   const bool held = compiled::kHeld && p.some_held();
   const double rho_per_mu = fluid_.density() / fluid_.viscosity(), mu_3pi = 3 * kPi * fluid_.viscosity();
-  Extremes mine;
   DragBatch batch;
   const auto finish_batch = [&] {
     batch.find_F(law_);
@@ -813,7 +838,7 @@ void Coupling::Impl::read(Particles& p, double interval) {
       const int i = batch.i[l];
       double* const s = p.state[i];
       const double eps = batch.eps[l], slip = batch.slip[l], m = p.mass[i], per_mass = 1 / m;
-      const double b_A = mu_3pi * 2 * p.radius[i] * eps * batch.F[l], b_B = b_A / eps, b = A ? b_A : b_B;
+      const double b_A = mu_3pi * 2 * p.radius[i] * eps * batch.F[l], b_B = b_A / eps, b = kA ? b_A : b_B;
       s[kDragCoefficient] = b;
       s[kDecay] = plain_decay(b, per_mass);
       s[kResponse] = b_B;
@@ -833,10 +858,7 @@ void Coupling::Impl::read(Particles& p, double interval) {
   double out[Reader::kFields] = {0, 0, 0, 1, 0, 0, 0};
   at_places(p, [&](std::size_t q, int i, const auto& place) {
     double* const s = p.state[i];
-    if (A)
-      reader_.at<7>(place, out);
-    else
-      reader_.at<4>(place, out);
+    reader_.template at<kA ? 7 : 4>(place, out);
     double slip2 = 0, flux2 = 0;
     for (int d = 0; d < 3; ++d) {
       slip2 += (out[d] - p.v[i][d]) * (out[d] - p.v[i][d]);
@@ -849,7 +871,7 @@ void Coupling::Impl::read(Particles& p, double interval) {
     const double y = polydisperse ? diameter / motion().diameter(p.x[i]) : 1.0;
     s[kVoidFraction] = eps;
     s[kSizeRatio] = y;
-    if (A) {
+    if (kA) {
       const double volume = sphere_volume(p.radius[i]);
       for (int d = 0; d < 3; ++d) s[kPressureForce + d] = volume * out[Reader::kResidual + d];
     }
@@ -858,19 +880,6 @@ void Coupling::Impl::read(Particles& p, double interval) {
   });
   finish_batch();
   mine.momentum = std::max(mine.momentum, extremes_.mass * std::sqrt(mine.flux2));
-  for (int i : leaving_) set_outside(p, i);
-  double largest[6] = {mine.momentum, mine.drag, mine.drag_coefficient, mine.drag_number, mine.follow, mine.speed2},
-         all[6];
-  MPI_Allreduce(largest, all, 6, MPI_DOUBLE, MPI_MAX, comm_);
-  extremes_.follow = all[4];
-  report_.travel = std::sqrt(all[5]) * interval / cell_width_;
-  choose_hold(all[3]);
-  if (settings_.one_way || !(A || holding_)) return;
-  MeanMotion::Largest scale;
-  scale.mass = extremes_.mass, scale.momentum = all[0], scale.drag = all[1], scale.drag_coefficient = all[2];
-  scale.terms = terms_;
-  motion().couple(p, inside_, flux_velocity_, eps_node_, scale, A);
-  if (A) rebuild_pressure_force(p);
 }
 
 void Coupling::Impl::rebuild_pressure_force(Particles& p) {
