@@ -10,9 +10,9 @@ An interval: ten DEM steps, one coupling, one fluid step (the paper's method: tw
                64 ranks): messages to the neighbours of a brick (faces; corners too for the coupling), bytes to the area of
                its cuts; of the fluid a part for each pressure iteration besides, its messages to the levels of the multigrid. Messages are taken one after the other: nothing overlaps, nothing is hidden.
   collectives  counted ones x (2 log2 P) latencies
-  coarsest     the pressure multigrid doesn't merge cells across ranks, so its coarsest level has at least P cells. It is gathered and solved
-               on every rank: measured by coarse_solve.cpp, as power laws in P between the sizes measured (P > 100, below it's in the
-               work), and 8 bytes a cell gathered an iteration, 32 a step
+  gathered     the pressure multigrid merges cells across ranks only once a level is gathered on every rank (at 1000 cells, or where each
+               rank has one left): 48 bytes a cell of it a fluid step and 8 an iteration to every rank, and its cycles, at the cost a
+               cell and iteration that fluid_bench measures on 2250 cells
 Bricks that are thinner than what particles reach need more (up to 2.5 times the coupling's messages, where a rank has a single particle
 cell; the fit prints counted over fitted).
 Assumed: bricks are cubes of equal work (no imbalance by dense regions); as many fine cells to a particle as --cells; pressure iterations
@@ -33,10 +33,9 @@ STUDY = os.path.join(HERE, "..", "..", "cases", "studies", "traffic")
 GRIDS = {2: (1, 1, 2), 4: (1, 2, 2), 8: (2, 2, 2), 16: (2, 2, 4), 32: (2, 4, 4), 64: (4, 4, 4)}
 CELLS, SIDE, ADDED = 32, 14, 10
 PAPER = "two-grid, centroid (the paper)"
-# coarse_solve.cpp, gcc 12 -O3 -march=native, a 2.3 GHz Xeon: cells, ms of a factorisation, ms of a solve.
-COARSE = np.array([(64, 0.0079, 0.00170), (216, 0.0605, 0.0096), (512, 0.373, 0.0331), (1000, 1.27, 0.0885), (2197, 6.79, 0.278),
-                   (4096, 33.9, 0.850), (10648, 317.0, 5.18)])
-TERMS = ("work", "dem", "coupling", "fluid", "collectives", "coarsest")
+GATHER = 1000  # cells: Multigrid::kGather
+SET_UP, CYCLE = 34e-9, 31e-9  # s a cell, and a cell and iteration: fluid_bench, pressure/small
+TERMS = ("work", "dem", "coupling", "fluid", "collectives", "gathered")
 
 
 def neighbours(grid):
@@ -118,14 +117,6 @@ def work(options):
     return particle, cell
 
 
-def power_law(x, column):
-    """Interpolated in logarithms, carried on with the last slope."""
-    lx, ly = np.log(COARSE[:, 0]), np.log(COARSE[:, column])
-    if np.log(x) <= lx[-1]:
-        return float(np.exp(np.interp(np.log(x), lx, ly)))
-    return float(np.exp(ly[-1] + (ly[-1] - ly[-2]) / (lx[-1] - lx[-2]) * (np.log(x) - lx[-1])))
-
-
 def interval(t, o, particle, cell, ranks, particles):
     """ms of the terms, for so many particles in all."""
     n_p, n_c = particles / ranks, particles / ranks * o.cells
@@ -145,15 +136,16 @@ def interval(t, o, particle, cell, ranks, particles):
         fluid=seconds((t.fluid_rest[0] + t.fluid_iteration[0] * o.iterations * levels) * f,
                       (t.fluid_rest[1] + t.fluid_iteration[1] * o.iterations) * surface),
         collectives=collectives * 2 * log * o.latency * 1e-6,
-        coarsest=0.0)
-    if ranks > 100:
-        result["coarsest"] = (power_law(ranks, 1) + o.iterations * power_law(ranks, 2)) * 1e-3 + (8 * o.iterations + 32) * ranks / (o.bandwidth * 1e9)
+        gathered=0.0)
+    if ranks > 1:
+        cells = max(ranks, GATHER)
+        result["gathered"] = cells * (SET_UP + CYCLE * o.iterations) + seconds(0, cells * (48 + 8 * o.iterations))
     return {k: 1e3 * v for k, v in result.items()}
 
 
 def table(title, t, o, particle, cell, particles_of):
     print(f"{title}: ms an interval")
-    print(f"  {'ranks':>6s} {'particles':>10s} {'a rank':>9s} " + " ".join(f"{k:>11s}" for k in TERMS) + "   work/time  without coarsest")
+    print(f"  {'ranks':>6s} {'particles':>10s} {'a rank':>9s} " + " ".join(f"{k:>11s}" for k in TERMS) + "   work/time")
     rows, reached = [], {}
     for ranks in RANKS:
         n = particles_of(ranks)
@@ -162,7 +154,7 @@ def table(title, t, o, particle, cell, particles_of):
         rows.append(dict(kind=title.split(",")[0], ranks=ranks, particles=int(n), **{k: round(v, 6) for k, v in c.items()}))
         if ranks in SHOWN:
             print(f"  {ranks:6d} {n:10.3g} {n / ranks:9.3g} " + " ".join(f"{c[k]:11.4g}" for k in TERMS)
-                  + f"   {c['work'] / whole:9.3f}  {c['work'] / (whole - c['coarsest']):9.3f}")
+                  + f"   {c['work'] / whole:9.3f}")
         for k in TERMS[1:]:
             for part in (0.1, 0.5):
                 if c[k] > part * c["work"]:
@@ -217,8 +209,7 @@ def main():
         tables.append((f"strong, {n:g}", table(f"strong {n:g}, particles in all", t, o, particle, cell, lambda p: n)))
     n, p = o.weak * RANKS[-1], RANKS[-1]
     print(f"memory a rank at {n:g} particles on {p} ranks that all of them hold: LIGGGHTS' map of identifiers (atom_modify map array, 4 bytes a particle "
-          f"in all) {4e-9 * n:.1f} GB;\n  boxes of all ranks on {6 + 3} levels and exchanges, 24 bytes each: {24e-6 * p * 9:.1f} MB; "
-          f"factor of the coarsest level, 12 bytes an entry: {12e-6 * 1330625 * (p / 10648)**(4 / 3):.0f} MB")
+          f"in all) {4e-9 * n:.1f} GB;\n  boxes of all ranks on {6 + 3} levels and exchanges, 24 bytes each: {24e-6 * p * 9:.1f} MB")
     with open(os.path.join(o.out, "cost_model.csv"), "w", newline="") as f:
         w = csv.DictWriter(f, ["kind", "ranks", "particles", *TERMS], lineterminator="\n")
         w.writeheader()
