@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "../cfd/compiled.h"
-#include "../cfd/vectorised.h"
 #include "deposit.h"
 #include "drag.h"
 #include "eps_bound.h"
 #include "ledger.h"
 #include "mean_motion.h"
+#include "plain_forces.h"
 #include "read.h"
 #include "residual.h"
 #include "void_history.h"
@@ -110,57 +110,6 @@ double narrowest(const ParticleGrid& grid) {
   for (const Axis& a : grid.axis)
     if (a.n() > 1) width = std::min(width, a.length() / a.n());
   return width;
-}
-
-/// What all particles of a step have in common.
-struct PlainStep {
-  double dt, lift;  ///< s; -rho_f (kg/m3)
-  Vec3 g;           ///< m/s2
-};
-
-/// The rows of many particles' state don't fit into the nearest caches: they are asked for so many particles ahead.
-constexpr int kAhead = 8;
-
-template <bool kPressure, bool kWatched>
-inline int add_plain_forces(const Particles& p, const PlainStep& step, int* left) {
-  const Four g{step.g[0], step.g[1], step.g[2], 0};
-  int count = 0;
-  for (int i = 0; i < p.n; ++i) {
-    if (!p.takes_part(i)) continue;
-    double* const s = p.state[i];
-    if (i + kAhead < p.n)
-      for (int line = kDecay; line >= (kWatched ? 0 : kFluidVelocity); line -= 7)
-        __builtin_prefetch(p.state[i + kAhead] + line, 1);
-    const double b = s[kDragCoefficient], decay = s[kDecay];
-    if (decay == 0) {
-      left[count++] = i;
-      continue;
-    }
-    double* const f = p.f[i];
-    const double *const v = p.v[i], *const u = s + kFluidVelocity, *const pressure = s + kPressureForce;
-    const double buoyancy = step.lift * sphere_volume(p.radius[i]);
-    const Four other = Four{f[0], f[1], f[2], 0} + buoyancy * g;
-    const Four pressed{pressure[0], pressure[1], pressure[2], 0};
-    Four force = other;
-    if (kPressure) force += pressed;
-    force = (force + b * (Four{u[0], u[1], u[2], 0} - Four{v[0], v[1], v[2], 0})) * decay;
-    const Four received = force - other;
-    const Four drag = kPressure ? received - pressed : received;
-    const Four impulse = received * step.dt;
-    for (int d = 0; d < 3; ++d) {
-      s[kImpulse + d] += impulse[d];
-      if (kWatched) s[kDragForce + d] = drag[d];
-      f[d] = force[d];
-    }
-  }
-  return count;
-}
-
-/// force() for particles of known decay; the indices of the others go to left[], their number is returned.
-TWOGRID_VECTORISED int add_plain_forces(const Particles& p, const PlainStep& step, bool pressure, int* left) {
-  if (p.watched)
-    return pressure ? add_plain_forces<true, true>(p, step, left) : add_plain_forces<false, true>(p, step, left);
-  return pressure ? add_plain_forces<true, false>(p, step, left) : add_plain_forces<false, false>(p, step, left);
 }
 
 Box grown_unless_empty(const Box& b, int g) {

@@ -1,0 +1,21 @@
+// What every DEM step of every particle costs: drag, pressure gradient force and buoyancy in the common case, in which
+// no flux is held, no particle is held and the step is short against the particle's response time.
+#pragma once
+
+#include "../cfd/box.h"
+#include "particles.h"
+
+namespace twogrid {
+
+/// What all particles of a step have in common.
+struct PlainStep {
+  double dt, lift;  ///< s; -rho_f (kg/m3)
+  Vec3 g;           ///< m/s2
+};
+
+/// f <- phi (f - V_p rho_f g + F_p + b (u - v)), phi = kDecay; impulse and, where watched, drag of the step are noted.
+/// pressure: there is a pressure gradient force F_p. Particles whose decay isn't known are left alone: their indices go
+/// to left[] (room for p.n), their number is returned. Local.
+int add_plain_forces(const Particles& p, const PlainStep& step, bool pressure, int* left);
+
+}  // namespace twogrid
