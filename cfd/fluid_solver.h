@@ -115,6 +115,7 @@ class FluidSolver : public Fluid {
   bool has(int side, BoundaryKind kind) const;
   void predict(const Step& step, const Interphase& exchange);
   void project(const Step& step, const Interphase& exchange, FluidReport& report);
+  void balance_outlets(double sum);
   void correct();
   void hold_flow_rate(const Interphase& exchange);
   void accept(const Step& step, double interval);
