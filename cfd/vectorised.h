@@ -13,6 +13,37 @@ namespace twogrid {
 /// Four numbers at once, where a loop does not show the compiler what it could do. No function takes or returns one by
 /// value: whether it travels in registers hangs on the instruction set.
 typedef double Four __attribute__((vector_size(32)));
+typedef long long FourIntegers __attribute__((vector_size(32)));
+
+/// Four as they lie in arrays. (A vector of Four itself would not keep their alignment.)
+struct alignas(32) FourNumbers {
+  double at[4];
+};
+struct alignas(32) FourWholeNumbers {
+  long long at[4];
+};
+
+/// Four numbers that lie anywhere in an array.
+typedef double FourInRow __attribute__((vector_size(32), aligned(8), may_alias));
+inline const FourInRow& four_at(const double* first) {
+  return *reinterpret_cast<const FourInRow*>(first);
+}
+inline FourInRow& four_at(double* first) {
+  return *reinterpret_cast<FourInRow*>(first);
+}
+typedef long long FourIntegersInRow __attribute__((vector_size(32), aligned(8), may_alias));
+inline FourIntegersInRow& four_at(long long* first) {
+  return *reinterpret_cast<FourIntegersInRow*>(first);
+}
+
+/// m = max(m, a), number by number.
+inline void keep_largest(Four& m, const Four& a) {
+  m = a > m ? a : m;
+}
+inline void keep_largest_size(Four& m, const Four& a) {
+  const Four size = a < 0 ? -a : a;
+  m = size > m ? size : m;
+}
 
 /// A measure of one direction, seen from a row along x: it varies along the row if the direction is x, else it is one
 /// number.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "../cfd/vectorised.h"
 #include "sphere_overlap.h"
 
 namespace twogrid {
@@ -37,24 +38,56 @@ VolumeDeposit::VolumeDeposit(MPI_Comm comm, const ParticleGrid& grid, const Layo
 }
 
 void VolumeDeposit::prepare(double largest_radius) {
-  scale_ = FixedPoint(std::max(node_volume_, sphere_volume(largest_radius)), 15.0);
+  const double sphere = sphere_volume(largest_radius);
+  scale_ = FixedPoint(sphere, sphere > 0 ? 15 * std::max(node_volume_ / sphere, 1.0) : 1.0);
   if (kind_ != Deposit::kExact || (largest_radius <= radius_ && radius_ > 0)) return;
   radius_ = largest_radius;
   window_ = Window(comm_, grid_, nodes_, region_, Spread::kCell, 2 * radius_);
   sum_.reset(window_.box());
 }
 
-void VolumeDeposit::operator()(const Particles& p, const std::vector<int>& who, Array3<long long>& volume) {
+namespace {
+
+TWOGRID_VECTORISED void add_at_corners(const Particles& p, const std::vector<int>& who, const Window& window,
+                                       const Corners* known, const FixedPoint& scale, long long* sum) {
+  const WindowShape shape = window.shape();
+  for (std::size_t q = 0; q < who.size(); ++q) {
+    const int i = who[q];
+    const double volume = scale.whole(sphere_volume(p.radius[i]));
+    if (known)
+      scatter(known[q], shape, volume, sum);
+    else
+      scatter(window.corners(p.x[i]), shape, volume, sum);
+  }
+}
+
+TWOGRID_VECTORISED void add_at_centres(const Particles& p, const std::vector<int>& who, const Window& window,
+                                       const FixedPoint& scale, long long* sum) {
+  for (int i : who) sum[window.node(p.x[i])] += scale.quantise(sphere_volume(p.radius[i]));
+}
+
+}  // namespace
+
+void VolumeDeposit::operator()(const Particles& p, const std::vector<int>& who, Array3<long long>& volume,
+                               const std::vector<Corners>* corners) {
   sum_.fill(0);
-  if (kind_ == Deposit::kExact) {
-    for (int i : who) intersect_sphere(p.x[i], p.radius[i], scale_.quantise(sphere_volume(p.radius[i])));
-  } else if (kind_ == Deposit::kTrilinear) {
-    for (int i : who) scatter(window_.corners(p.x[i]), scale_.quantise(sphere_volume(p.radius[i])), sum_);
-  } else {
-    Stencil s;
-    for (int i : who) {
-      window_.weights(p.x[i], s);
-      scatter(s, scale_.quantise(sphere_volume(p.radius[i])), sum_);
+  switch (kind_) {
+    case Deposit::kCentroid:
+      add_at_centres(p, who, window_, scale_, sum_.data());
+      break;
+    case Deposit::kTrilinear:
+      add_at_corners(p, who, window_, corners ? corners->data() : nullptr, scale_, sum_.data());
+      break;
+    case Deposit::kExact:
+      for (int i : who) intersect_sphere(p.x[i], p.radius[i], scale_.quantise(sphere_volume(p.radius[i])));
+      break;
+    case Deposit::kCube: {
+      Stencil s;
+      for (int i : who) {
+        window_.weights(p.x[i], s);
+        scatter(s, scale_.quantise(sphere_volume(p.radius[i])), sum_);
+      }
+      break;
     }
   }
   volume.fill(0);

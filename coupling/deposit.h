@@ -3,11 +3,12 @@
 //   centroid    all of V_p to the node that holds the centre
 //   trilinear   between the eight node centres around it
 //   exact       the intersection of sphere and node (sphere_overlap.h); what sticks out at a wall goes to the node
-//   there cube        spread evenly over a cube of given edge, shifted inside at walls (Link et al., porous cube)
+//               there
+//   cube        spread evenly over a cube of given edge, shifted inside at walls (Link et al., porous cube)
 //
 // Each particle's volume is rounded once to an integer multiple of a unit, and its parts are integers that add up to
-// it: sums are exact, and the same bits for any number of ranks and any order of particles. unit = 2^-58 of the largest
-// of node and particle volume, so that a node may hold 16 times its own volume before the sum overflows.
+// it: sums are exact, and the same bits for any number of ranks and any order of particles. A node may hold 16 times its
+// own volume, or 16 of the largest particles, before the sum overflows.
 #pragma once
 
 #include <mpi.h>
@@ -35,8 +36,9 @@ class VolumeDeposit {
   /// Makes room for spheres of this radius; `largest_radius` is the same on all ranks. Collective if it has grown.
   void prepare(double largest_radius);
   /// Volume of the particles listed in `who`, in units of scale(), on the rank's own nodes (volume covers them).
-  /// Collective.
-  void operator()(const Particles& p, const std::vector<int>& who, Array3<long long>& volume);
+  /// Collective. corners: those of `who` in a window of linear weights on the same nodes, if they are known.
+  void operator()(const Particles& p, const std::vector<int>& who, Array3<long long>& volume,
+                  const std::vector<Corners>* corners = nullptr);
   /// A volume as the integer with which it is deposited.
   const FixedPoint& scale() const { return scale_; }
 

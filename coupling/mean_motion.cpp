@@ -99,7 +99,7 @@ void MeanMotion::sum_motion(const Particles& p, const std::vector<int>* who) {
       if (feels_drag(p, i)) add(i);
 }
 
-void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const std::vector<Vec3>& flux_velocity,
+void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const std::vector<FourNumbers>& flux_velocity,
                         const CellField<ParticleGrid>& eps, const Largest& largest, bool drag) {
   drag_ = drag;
   mass_unit_ = FixedPoint(largest.mass, largest.terms);
@@ -113,7 +113,7 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
     const int i = who[q];
     window_.weights(p.x[i], stencil_);
     for (int d = 0; d < 3; ++d)
-      scatter(stencil_, momentum_unit_.quantise(p.mass[i] * flux_velocity[q][d]), window_sum_[4 + d]);
+      scatter(stencil_, momentum_unit_.quantise(p.mass[i] * flux_velocity[q].at[d]), window_sum_[4 + d]);
     if (!drag) continue;
     const double* s = p.state[i];
     const double b = s[kDragCoefficient];

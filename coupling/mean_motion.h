@@ -19,6 +19,7 @@
 
 #include <vector>
 
+#include "../cfd/vectorised.h"
 #include "fixed_point.h"
 #include "map.h"
 #include "particles.h"
@@ -43,7 +44,7 @@ class MeanMotion {
 
   /// Sums of the particles in `who` at a coupling. flux_velocity[q] belongs to who[q]. eps: own nodes.
   /// drag: beta and D_n are wanted (formulation A). Collective.
-  void couple(const Particles& p, const std::vector<int>& who, const std::vector<Vec3>& flux_velocity,
+  void couple(const Particles& p, const std::vector<int>& who, const std::vector<FourNumbers>& flux_velocity,
               const CellField<ParticleGrid>& eps, const Largest& largest, bool drag);
   /// beta/eps (kg/(m3 s)) and D_n/eps (N/m3) at a particle, after couple() with drag.
   void drag_at(const double x[3], double& beta, Vec3& d);

@@ -1,5 +1,7 @@
 #include "read.h"
 
+#include <algorithm>
+
 namespace twogrid {
 
 bool reads_fine_cells(Read read) {
@@ -22,43 +24,76 @@ Spread spread_of(Read read) {
 
 Reader::Reader(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid, const ParticleRegion& region, Read read,
                double width)
-    : map_(comm, fluid, grid), window_(comm, grid, map_.layout(), region, spread_of(read), width) {
-  for (auto& a : velocity_) a.reset(map_.own());
-  for (auto& a : window_field_) a.reset(window_.box());
+    : map_(comm, fluid, grid),
+      window_(comm, grid, map_.layout(), region, spread_of(read), width),
+      shape_(window_.shape()),
+      sum_(window_.box().count()) {
   for (auto& a : window_sum_) a.reset(window_.box());
   for (auto& a : node_sum_) a.reset(map_.own());
   for (auto& a : node_reaction_) a.reset(map_.own());
 }
 
-void Reader::load(const FaceField<FineGrid>& velocity) {
-  map_.mean(velocity, velocity_);
-  window_.bring<double>({&velocity_[0], &velocity_[1], &velocity_[2]},
-                        {&window_field_[0], &window_field_[1], &window_field_[2]});
+namespace {
+
+TWOGRID_VECTORISED void find_nodes(const Window& window, const Particles& p, const std::vector<int>& who,
+                                   std::ptrdiff_t* node) {
+  for (std::size_t q = 0; q < who.size(); ++q) node[q] = window.node(p.x[who[q]]);
 }
 
-void Reader::load(const FaceField<FineGrid>& velocity, const Array3<double>& eps) {
-  map_.mean(velocity, velocity_);
-  window_.bring<double>({&velocity_[0], &velocity_[1], &velocity_[2], &eps},
-                        {&window_field_[0], &window_field_[1], &window_field_[2], &window_field_[3]});
+TWOGRID_VECTORISED void find_corners(const Window& window, const Particles& p, const std::vector<int>& who,
+                                     Corners* corners) {
+  for (std::size_t q = 0; q < who.size(); ++q) corners[q] = window.corners(p.x[who[q]]);
 }
 
-void Reader::load(const FaceField<FineGrid>& velocity, const Array3<double>& eps, const FaceField<FineGrid>& residual) {
-  if (residual_[0].size() != velocity_[0].size())
-    for (auto& a : residual_) a.reset(map_.own());
-  map_.mean(velocity, velocity_);
-  map_.mean(residual, residual_);
-  window_.bring<double>(
-      {&velocity_[0], &velocity_[1], &velocity_[2], &eps, &residual_[0], &residual_[1], &residual_[2]},
-      {&window_field_[0], &window_field_[1], &window_field_[2], &window_field_[3], &window_field_[4], &window_field_[5],
-       &window_field_[6]});
+/// Value c of the group of every node.
+void interleave(const Array3<double>& from, int stride, double* to) {
+  const double* const value = from.data();
+  for (std::size_t m = 0, n = from.size(); m < n; ++m) to[m * stride] = value[m];
+}
+
+}  // namespace
+
+void Reader::find(const Particles& p, const std::vector<int>& who, Places& places) const {
+  if (window_.spread() == Spread::kCell) {
+    places.node.resize(who.size());
+    find_nodes(window_, p, who, places.node.data());
+  } else if (window_.spread() == Spread::kLinear) {
+    places.corners.resize(who.size());
+    find_corners(window_, p, who, places.corners.data());
+  }
+}
+
+void Reader::load(const Readable& fields, int groups) {
+  const FaceField<FineGrid>* const faces[kMaxGroups] = {fields.velocity, fields.mean, fields.pressure};
+  while (int(window_field_.size()) < 4 * groups) window_field_.emplace_back(window_.box());
+  std::vector<const Array3<double>*> owner;
+  std::vector<Array3<double>*> window;
+  std::vector<int> value;  // place of the field in the groups
+  for (int g = 0; g < groups; ++g) {
+    if (!faces[g]) continue;
+    if (node_field_[g][0].size() == 0)
+      for (auto& a : node_field_[g]) a.reset(map_.own());
+    map_.mean(*faces[g], node_field_[g]);
+    for (int d = 0; d < 3; ++d) owner.push_back(&node_field_[g][d]), value.push_back(4 * g + d);
+  }
+  if (fields.eps) owner.push_back(fields.eps), value.push_back(3);
+  for (int v : value) window.push_back(&window_field_[v]);
+  window_.bring<double>(owner, window);
+  field_.resize(window_.box().count() * groups);
+  if (int(value.size()) < 3 * groups) std::fill(field_.begin(), field_.end(), FourNumbers{});
+  for (std::size_t a = 0; a < value.size(); ++a)
+    interleave(*window[a], 4 * groups, reinterpret_cast<double*>(field_.data()) + value[a]);
 }
 
 void Reader::clear_reaction() {
-  for (auto& a : window_sum_) a.fill(0);
+  std::fill(sum_.begin(), sum_.end(), FourWholeNumbers{});
 }
 
 void Reader::collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back) {
-  for (auto& a : node_sum_) a.fill(0);
+  for (int c = 0; c < kReactions; ++c) {
+    node_sum_[c].fill(0);
+    for (std::size_t m = 0; m < sum_.size(); ++m) window_sum_[c].data()[m] = sum_[m].at[c];
+  }
   window_.add({&window_sum_[0], &window_sum_[1], &window_sum_[2], &window_sum_[3]},
               {&node_sum_[0], &node_sum_[1], &node_sum_[2], &node_sum_[3]});
   for (int c = 0; c < kReactions; ++c) {

@@ -14,8 +14,11 @@
 
 #include <mpi.h>
 
+#include <vector>
+
 #include "fixed_point.h"
 #include "map.h"
+#include "particles.h"
 #include "window.h"
 
 namespace twogrid {
@@ -23,6 +26,21 @@ namespace twogrid {
 /// Whether a way of reading works on the fine cells themselves.
 bool reads_fine_cells(Read read);
 Spread spread_of(Read read);
+
+/// Fields of which particles read: components and eps on own cells or nodes, faces on own faces and a halo of one. What
+/// is null is not read (zero).
+struct Readable {
+  const FaceField<FineGrid>* velocity = nullptr;
+  const Array3<double>* eps = nullptr;                ///< own nodes
+  const FaceField<FineGrid>* mean = nullptr;          ///< mean velocity of the interval
+  const FaceField<FineGrid>* pressure = nullptr;      ///< the residual force of formulation A
+};
+
+/// Where the particles of a coupling read, found once.
+struct Places {
+  std::vector<std::ptrdiff_t> node;  ///< a single node each
+  std::vector<Corners> corners;      ///< or between node centres; else nothing is kept
+};
 
 class Reader {
  public:
@@ -32,55 +50,55 @@ class Reader {
 
   const Window& window() const { return window_; }
   const Map& map() const { return map_; }
-  void weights(const double x[3], Stencil& s) const { window_.weights(x, s); }
-  /// Whether a particle reads one node only; then node() says which, and stands for its weights.
-  bool single() const { return window_.spread() == Spread::kCell; }
-  std::ptrdiff_t node(const double x[3]) const {
-    return window_field_[0].index(window_.span(0).find(x[0]), window_.span(1).find(x[1]), window_.span(2).find(x[2]));
+
+  /// Where the particles in `who` read.
+  void find(const Particles& p, const std::vector<int>& who, Places& places) const;
+  /// f(q, place) for every particle who[q]; the place is a node, corners or a stencil, for at() and react().
+  template <class F>
+  void at_places(const Particles& p, const std::vector<int>& who, const Places& places, F f) const {
+    const std::size_t n = who.size();
+    if (window_.spread() == Spread::kCell) {
+      for (std::size_t q = 0; q < n; ++q) f(q, places.node[q]);
+    } else if (window_.spread() == Spread::kLinear) {
+      for (std::size_t q = 0; q < n; ++q) f(q, places.corners[q]);
+    } else {
+      Stencil w;
+      for (std::size_t q = 0; q < n; ++q) {
+        window_.weights(p.x[who[q]], w);
+        f(q, w);
+      }
+    }
   }
 
-  /// Whether a particle reads between node centres; then corners() stand for its weights.
-  bool linear() const { return window_.spread() == Spread::kLinear; }
-  Corners corners(const double x[3]) const { return window_.corners(x); }
-
-  /// Makes these fields readable. Velocity and residual: own faces and a halo of one; eps: own nodes. Collective.
-  void load(const FaceField<FineGrid>& velocity, const Array3<double>& eps);
-  void load(const FaceField<FineGrid>& velocity, const Array3<double>& eps, const FaceField<FineGrid>& residual);
-  void load(const FaceField<FineGrid>& velocity);
-
-  enum Field { kVelocity = 0, kEps = 3, kResidual = 4, kFields = 7 };
-  /// The first N fields at a particle, in the order of Field: 3 velocity, 4 and eps, 7 and residual.
-  template <int N, class Place>
-  void at(const Place& s, double* out) const {
-    const double* field[N];
-    for (int q = 0; q < N; ++q) field[q] = window_field_[q].data();
-    gather<N>(s, window_field_[0], field, out);
+  /// Makes fields readable, in groups of four: velocity and eps; mean velocity; pressure. groups: how many of these, 1
+  /// to 3. Collective.
+  void load(const Readable& fields, int groups);
+  /// The groups at a place, as loaded.
+  template <int kGroups, class Place>
+  void at(const Place& place, Four* out) const {
+    gather<kGroups>(place, shape_, field_.data(), out);
   }
 
-  template <int N>
-  void at(std::ptrdiff_t node, double* out) const {
-    for (int q = 0; q < N; ++q) out[q] = window_field_[q].data()[node];
-  }
-
-  /// Reaction: three components and one coefficient.
-  static constexpr int kReactions = 4;
+  /// Reaction: three components and one coefficient, in whole numbers of units.
   void clear_reaction();
   template <class Place>
-  void react(const Place& s, const std::array<long long, kReactions>& q) {
-    for (int c = 0; c < kReactions; ++c) scatter(s, q[c], window_sum_[c]);
-  }
-  void react(std::ptrdiff_t node, const std::array<long long, kReactions>& q) {
-    for (int c = 0; c < kReactions; ++c) window_sum_[c].data()[node] += q[c];
+  void react(const Place& place, const Four& whole) {
+    scatter(place, shape_, whole, sum_.data());
   }
   /// Sums of all ranks on faces: source (components 0-2) and beta (3), per volume. held_back: what nodes without a
   /// solved face kept of components 0-2. Collective.
   void collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back);
 
  private:
+  static constexpr int kReactions = 4, kMaxGroups = 3;
+
   Map map_;
   Window window_;
-  NodeVector<CellField<ParticleGrid>> velocity_, residual_;  // own nodes
-  std::array<Array3<double>, kFields> window_field_;
+  WindowShape shape_;
+  std::array<NodeVector<CellField<ParticleGrid>>, kMaxGroups> node_field_;  // own nodes; made when first wanted
+  std::vector<Array3<double>> window_field_;                                // four a group
+  std::vector<FourNumbers> field_;                                          // the same, groups together
+  std::vector<FourWholeNumbers> sum_;                                       // on the window
   std::array<Array3<long long>, kReactions> window_sum_, node_sum_;
   std::array<CellField<ParticleGrid>, kReactions> node_reaction_;  // own nodes
 };

@@ -1,7 +1,12 @@
 // The nodes that one particle writes to or reads from, and their weights: a product of one short list a direction.
+//
+// Values at nodes that belong together lie in groups of four, one row of groups a node: a corner is then one load a
+// group. A particle's four whole numbers are split among nodes so that the parts' sum is exactly they.
 #pragma once
 
 #include "../cfd/box.h"
+#include "../cfd/vectorised.h"
+#include "fixed_point.h"
 
 namespace twogrid {
 
@@ -18,49 +23,125 @@ struct Stencil {
 struct Corners {
   double w[3];        ///< weight of the upper node; the lower one has the rest
   std::ptrdiff_t at;  ///< place of the lowest of the eight in a field of the window
-  int upper;          ///< bit d: there is an upper node in direction d (else w = 0)
+};
 
-  /// What to add to `at` for the upper node of direction d.
-  template <class T>
-  std::ptrdiff_t up(const Array3<T>& shape, int d) const {
-    return (upper >> d & 1) * shape.stride(d);
+/// Places in a field of a window: x runs fastest.
+struct WindowShape {
+  Int3 lo;                   ///< index of the first node
+  std::ptrdiff_t row, slab;  ///< nodes a row, nodes a slab
+  Int3 up;                   ///< from a node to the upper one of a pair; 0 where there is one node in that direction
+
+  std::ptrdiff_t first(const Stencil& s) const {
+    return (s.lo[0] - lo[0]) + row * (s.lo[1] - lo[1]) + slab * (s.lo[2] - lo[2]);
   }
 };
 
-/// f(place, weight) for the eight nodes, x varies fastest.
-template <class T, class F>
-inline void for_corners(const Corners& c, const Array3<T>& shape, F f) {
-  const std::ptrdiff_t x = c.up(shape, 0), y = c.up(shape, 1), z = c.up(shape, 2);
-  const double x0 = 1 - c.w[0], y0 = 1 - c.w[1], z0 = 1 - c.w[2];
-  const double yz[4] = {y0 * z0, c.w[1] * z0, y0 * c.w[2], c.w[1] * c.w[2]};
-  const std::ptrdiff_t row[4] = {c.at, c.at + y, c.at + z, c.at + y + z};
-  for (int k = 0; k < 4; ++k) {
-    f(row[k], x0 * yz[k]);
-    f(row[k] + x, c.w[0] * yz[k]);
+/// Weighted means of kGroups groups at once.
+template <int kGroups>
+inline void gather(const Corners& c, const WindowShape& shape, const FourNumbers* field, Four* out) {
+  const FourNumbers* const first = field + kGroups * c.at;
+  const std::ptrdiff_t x = kGroups * shape.up[0], y = kGroups * shape.up[1], z = kGroups * shape.up[2];
+  const FourNumbers* const at[4] = {first, first + y, first + z, first + y + z};
+  for (int g = 0; g < kGroups; ++g) {
+    Four row[4];
+    for (int q = 0; q < 4; ++q) {
+      const Four left = four_at(at[q][g].at), right = four_at(at[q][g + x].at);
+      row[q] = left + c.w[0] * (right - left);
+    }
+    const Four low = row[0] + c.w[1] * (row[1] - row[0]), high = row[2] + c.w[1] * (row[3] - row[2]);
+    out[g] = low + c.w[2] * (high - low);
   }
 }
 
-template <int N>
-inline void gather(const Corners& c, const Array3<double>& shape, const double* const (&field)[N], double* out) {
-  for (int q = 0; q < N; ++q) out[q] = 0;
-  for_corners(c, shape, [&](std::ptrdiff_t m, double w) {
-    for (int q = 0; q < N; ++q) out[q] += w * field[q][m];
-  });
+template <int kGroups>
+inline void gather(const Stencil& s, const WindowShape& shape, const FourNumbers* field, Four* out) {
+  for (int g = 0; g < kGroups; ++g) out[g] = Four{0, 0, 0, 0};
+  const std::ptrdiff_t first = shape.first(s);
+  for (int k = 0; k < s.n[2]; ++k)
+    for (int j = 0; j < s.n[1]; ++j) {
+      const double wjk = s.w[1][j] * s.w[2][k];
+      const FourNumbers* node = field + kGroups * (first + shape.row * j + shape.slab * k);
+      for (int i = 0; i < s.n[0]; ++i, node += kGroups) {
+        const double w = s.w[0][i] * wjk;
+        for (int g = 0; g < kGroups; ++g) out[g] += w * four_at(node[g].at);
+      }
+    }
 }
 
-/// As scatter() below.
-inline void scatter(const Corners& c, long long total, Array3<long long>& field) {
-  long long* const to = field.data();
-  const double q = double(total);
-  long long rest = total;
-  for_corners(c, field, [&](std::ptrdiff_t m, double w) {
-    const long long part = static_cast<long long>(w * q);
-    to[m] += part;
-    rest -= part;
-  });
-  std::ptrdiff_t largest = c.at;
-  for (int d = 0; d < 3; ++d) largest += int(c.w[d] > 0.5) * c.up(field, d);
-  to[largest] += rest;
+template <int kGroups>
+inline void gather(std::ptrdiff_t node, const WindowShape&, const FourNumbers* field, Four* out) {
+  for (int g = 0; g < kGroups; ++g) out[g] = four_at(field[kGroups * node + g].at);
+}
+
+/// upper = the whole numbers nearest to w total, lower = the rest.
+template <class T>
+inline void split(double w, const T& total, T& lower, T& upper) {
+  upper = (w * total + kWhole) - kWhole;
+  lower = total - upper;
+}
+
+/// Adds whole numbers to a node.
+inline void add_whole(const Four& part, FourWholeNumbers& node) {
+  four_at(node.at) += (FourIntegers)(part + kWhole) - kWholeBits;
+}
+
+/// Adds the whole numbers `total`, split by the weights, so that exactly `total` is added.
+inline void scatter(const Corners& c, const WindowShape& shape, const Four& total, FourWholeNumbers* field) {
+  Four z[2], y[2], x[2];
+  split(c.w[2], total, z[0], z[1]);
+  for (int k = 0; k < 2; ++k) {
+    split(c.w[1], z[k], y[0], y[1]);
+    for (int j = 0; j < 2; ++j) {
+      split(c.w[0], y[j], x[0], x[1]);
+      FourWholeNumbers* const node = field + c.at + j * shape.up[1] + k * shape.up[2];
+      add_whole(x[0], node[0]);
+      add_whole(x[1], node[shape.up[0]]);
+    }
+  }
+}
+
+/// The same; what rounding leaves over goes to the node of the largest weight.
+inline void scatter(const Stencil& s, const WindowShape& shape, const Four& total, FourWholeNumbers* field) {
+  const std::ptrdiff_t first = shape.first(s);
+  Four rest = total;
+  double largest = -1;
+  std::ptrdiff_t at = first;
+  for (int k = 0; k < s.n[2]; ++k)
+    for (int j = 0; j < s.n[1]; ++j) {
+      const double wjk = s.w[1][j] * s.w[2][k];
+      const std::ptrdiff_t m = first + shape.row * j + shape.slab * k;
+      for (int i = 0; i < s.n[0]; ++i) {
+        const double w = s.w[0][i] * wjk;
+        Four part, others;
+        split(w, total, others, part);
+        add_whole(part, field[m + i]);
+        rest -= part;
+        if (w > largest) largest = w, at = m + i;
+      }
+    }
+  add_whole(rest, field[at]);
+}
+
+inline void scatter(std::ptrdiff_t node, const WindowShape&, const Four& total, FourWholeNumbers* field) {
+  add_whole(total, field[node]);
+}
+
+/// One whole number a particle.
+inline void scatter(const Corners& c, const WindowShape& shape, double total, long long* field) {
+  double z[2], y[4];
+  split(c.w[2], total, z[0], z[1]);
+  split(c.w[1], z[0], y[0], y[1]);
+  split(c.w[1], z[1], y[2], y[3]);
+  Four lower, upper;
+  split(c.w[0], Four{y[0], y[1], y[2], y[3]}, lower, upper);
+  const FourIntegers low = (FourIntegers)(lower + kWhole) - kWholeBits,
+                     high = (FourIntegers)(upper + kWhole) - kWholeBits;
+  long long* const first = field + c.at;
+  long long* const row[4] = {first, first + shape.up[1], first + shape.up[2], first + shape.up[1] + shape.up[2]};
+  for (int q = 0; q < 4; ++q) {
+    row[q][0] += low[q];
+    row[q][shape.up[0]] += high[q];
+  }
 }
 
 /// Weighted means of N fields on one and the same box at once.

@@ -31,8 +31,9 @@ double spline_integral(double s) {
 }
 
 void linear_weights(const Window::Span& a, double x, int& lo, int& n, double* w) {
-  n = a.between(x, lo, w[1]) ? 2 : 1;
+  a.between(x, lo, w[1]);
   lo += a.lo;
+  n = a.hi - a.lo > 1 ? 2 : 1;
   w[0] = 1 - w[1];
 }
 
@@ -74,6 +75,11 @@ int Window::Span::find_stretched(double x) const {
   return std::clamp(int(std::upper_bound(node.begin(), node.end(), x) - node.begin()) - 1, 0, n - 1) + lo;
 }
 
+int Window::Span::find_pair(double x) const {
+  const int above = int(std::upper_bound(centre.begin(), centre.end(), x) - centre.begin());
+  return std::clamp(above - 1, 0, int(last_pair));
+}
+
 Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region,
                Spread spread, double width)
     : spread_(spread), width_(width) {
@@ -92,6 +98,13 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
     for (int i = s.lo; i <= s.hi; ++i) s.node.push_back(node_image(a, i));
     for (int i = 0; i < s.hi - s.lo; ++i) s.centre.push_back(0.5 * (s.node[i] + s.node[i + 1]));
     if (!a.periodic() && s.hi == a.n()) s.node.back() = a.hi();
+    const int pairs = std::max(s.hi - s.lo - 1, 1);
+    s.last_pair = pairs - 1;
+    for (int i = 0; i < pairs; ++i) {
+      s.pair_lo.push_back(i == 0 ? -HUGE_VAL : s.centre[i]);
+      s.pair_hi.push_back(i == pairs - 1 ? HUGE_VAL : s.centre[i + 1]);
+      s.inverse_gap.push_back(s.centre.size() > 1 ? 1 / (s.centre[i + 1] - s.centre[i]) : 0.0);
+    }
     s.edge = s.node;
     s.edge.front() = -HUGE_VAL, s.edge.back() = HUGE_VAL;
     s.domain_lo = a.lo(), s.domain_hi = a.hi();

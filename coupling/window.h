@@ -40,6 +40,10 @@ class Window {
     std::vector<double> node;    ///< low sides, and the high side of the last: hi - lo + 1
     std::vector<double> edge;    ///< the same, minus and plus infinity for the first and last
     std::vector<double> centre;  ///< hi - lo
+    /// Of pairs of neighbours: where x must lie for them, infinite for the first and last; one over the distance of
+    /// their centres (a single node: zero).
+    std::vector<double> pair_lo, pair_hi, inverse_gap;
+    double last_pair = 0;
     double domain_lo = 0, domain_hi = 0;
     double x_lo = 0, x_hi = 0;  ///< where this rank's particles may be
     bool periodic = false, uniform = false;
@@ -54,16 +58,15 @@ class Window {
       return i + lo + int(x >= edge[i + 1]) - int(x < edge[i]);
     }
     int find_stretched(double x) const;
-    /// The lower of the two nodes between whose centres x lies, from the window's first on; and the upper one's weight.
-    /// False: x lies beyond the outermost centre, the node is the only one.
-    bool between(double x, int& lower, double& w) const {
-      const int n = hi - lo, i = find(x) - lo;
-      const int left = i - int(x < centre[i]);
-      const bool both = (left >= 0) & (left + 1 < n);
-      lower = both ? left : i;
-      w = both ? (x - centre[left]) / (centre[left + 1] - centre[left]) : 0.0;
-      return both;
+    /// Of the two nodes between whose centres x lies: the lower one, from the window's first on, and the weight of the
+    /// upper one. Beyond the outermost centre all weight is with that node. (A single node: it, and zero.)
+    void between(double x, int& lower, double& w) const {
+      int i = uniform ? int(std::min(std::max((x - centre[0]) * inverse_width, 0.0), last_pair)) : find_pair(x);
+      i += int(x >= pair_hi[i]) - int(x < pair_lo[i]);
+      lower = i;
+      w = std::min(std::max((x - centre[i]) * inverse_gap[i], 0.0), 1.0);
     }
+    int find_pair(double x) const;
     double low(int i) const { return node[i - lo]; }
     double high(int i) const { return node[i + 1 - lo]; }
   };
@@ -92,14 +95,21 @@ class Window {
     for (int d = 0; d < 3; ++d) s.lo[d] = span_[d].find(x[d]), s.n[d] = 1, s.w[d][0] = 1;
   }
 
-  /// The same for kLinear.
+  /// Place in a field of the window of the node that holds x.
+  std::ptrdiff_t node(const double x[3]) const {
+    return place(span_[0].find(x[0]) - box_.lo[0], span_[1].find(x[1]) - box_.lo[1], span_[2].find(x[2]) - box_.lo[2]);
+  }
+  /// Weights for kLinear.
   Corners corners(const double x[3]) const {
     Corners c;
     int i[3];
-    c.upper = 0;
-    for (int d = 0; d < 3; ++d) c.upper |= int(span_[d].between(x[d], i[d], c.w[d])) << d;
-    c.at = i[0] + std::ptrdiff_t(box_.size(0)) * (i[1] + std::ptrdiff_t(box_.size(1)) * i[2]);
+    for (int d = 0; d < 3; ++d) span_[d].between(x[d], i[d], c.w[d]);
+    c.at = place(i[0], i[1], i[2]);
     return c;
+  }
+  WindowShape shape() const {
+    const int row = box_.size(0), slab = row * box_.size(1);
+    return {box_.lo, row, slab, {row > 1, box_.size(1) > 1 ? row : 0, box_.size(2) > 1 ? slab : 0}};
   }
 
   /// Window <- owners. Collective.
@@ -114,6 +124,9 @@ class Window {
 
  private:
   void wide_weights(const double x[3], Stencil& s) const;
+  std::ptrdiff_t place(int i, int j, int k) const {
+    return i + std::ptrdiff_t(box_.size(0)) * (j + std::ptrdiff_t(box_.size(1)) * k);
+  }
 
   Box box_;
   std::array<Span, 3> span_;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "coupling/ledger.h"
 #include "coupling/read.h"
@@ -42,6 +43,17 @@ struct ReadScene {
     }
     bodies = share_of(all, grid, comm);
   }
+
+  /// f(q, place) for all bodies.
+  template <class F>
+  void for_all(F f) {
+    const Particles p = bodies.view();
+    std::vector<int> who(p.n);
+    std::iota(who.begin(), who.end(), 0);
+    Places places;
+    reader->find(p, who, places);
+    reader->at_places(p, who, places, f);
+  }
 };
 
 double total(double mine) {
@@ -57,16 +69,14 @@ TEST(Reading, UniformVelocityIsExactEverywhere) {
       s.fluid->set(s.fluid->u_, [](int d, const Vec3&) { return 1.5 - d; });
       CellField<ParticleGrid> eps;
       eps.reset(s.reader->map().own(), 0.45);
-      s.reader->load(s.fluid->u_, eps);
-      Stencil w;
-      double out[4];
-      for (auto& x : s.bodies.x) {
-        ASSERT_TRUE(s.reader->window().covers(x.data()));
-        s.reader->weights(x.data(), w);
-        s.reader->at<4>(w, out);
+      s.reader->load({&s.fluid->u_, &eps}, 1);
+      s.for_all([&](std::size_t q, const auto& place) {
+        EXPECT_TRUE(s.reader->window().covers(s.bodies.x[q].data()));
+        Four out;
+        s.reader->at<1>(place, &out);
         for (int d = 0; d < 3; ++d) EXPECT_NEAR(out[d], 1.5 - d, 1e-14) << "read " << int(read);
         EXPECT_NEAR(out[3], 0.45, 1e-14);
-      }
+      });
     }
 }
 
@@ -82,14 +92,13 @@ TEST(Reading, LinearVelocity) {
                                         make_region(s.grid, MPI_COMM_WORLD, 0.02), read,
                                         read == Read::kKernel || read == Read::kCube ? width : 0.0);
     s.fluid->set(s.fluid->u_, profile);
-    s.reader->load(s.fluid->u_);
-    Stencil w;
-    double out[3];
-    for (auto& b : s.bodies.x) {
+    s.reader->load({&s.fluid->u_}, 1);
+    s.for_all([&](std::size_t q, const auto& place) {
+      const auto& b = s.bodies.x[q];
       const double margin[3] = {0.27, 0.27, 0.27};
       bool inner = true;
       for (int d = 0; d < 3; ++d) inner = inner && b[d] > margin[d] && b[d] < s.grid.axis[d].hi() - margin[d];
-      if (!inner) continue;
+      if (!inner) return;
       Vec3 at{b[0], b[1], b[2]};
       const ParticleGrid& g = s.reader->map().grid();
       if (read == Read::kCell || read == Read::kFine)
@@ -102,10 +111,10 @@ TEST(Reading, LinearVelocity) {
                      std::max(0.0, std::min(g.axis[d].node(i + 1), b[d] + width / 2) -
                                        std::max(g.axis[d].node(i), b[d] - width / 2));
         }
-      s.reader->weights(b.data(), w);
-      s.reader->at<3>(w, out);
+      Four out;
+      s.reader->at<1>(place, &out);
       for (int d = 0; d < 3; ++d) EXPECT_NEAR(out[d], profile(d, at), 1e-13) << "read " << int(read);
-    }
+    });
   }
 }
 
@@ -121,27 +130,24 @@ TEST(Reading, ReactionIsTheTransposeOnAnyRanks) {
         s.fluid->set(s.fluid->u_, [](int d, const Vec3& x) {
           return std::sin(2 * M_PI * x[0] + d) + std::cos(2 * M_PI * x[1]) + std::sin(M_PI * x[2] + 0.3);
         });
-        s.reader->load(s.fluid->u_);
+        s.reader->load({&s.fluid->u_}, 1);
         const std::array<FixedPoint, 2> scale{FixedPoint(3.0, 200), FixedPoint(1.0, 200)};
         s.reader->clear_reaction();
-        Stencil w;
-        double u[3];
         std::array<Sum, 3> read_side, given;
         Sum size;
-        for (std::size_t q = 0; q < s.bodies.x.size(); ++q) {
-          s.reader->weights(s.bodies.x[q].data(), w);
-          s.reader->at<3>(w, u);
-          std::array<long long, 4> i;
+        s.for_all([&](std::size_t q, const auto& place) {
+          Four u, i;
+          s.reader->at<1>(place, &u);
           for (int d = 0; d < 3; ++d) {
             const double f = std::sin(s.bodies.tag[q] + d) * 2.5;
-            i[d] = scale[0].quantise(f);
+            i[d] = scale[0].whole(f);
             read_side[d] += f * u[d];
             given[d] += f;
             size += std::abs(f);
           }
-          i[3] = scale[1].quantise(0.5);
-          s.reader->react(w, i);
-        }
+          i[3] = scale[1].whole(0.5);
+          s.reader->react(place, i);
+        });
         Vec3 held;
         NodeSpread made_source, made_beta;
         s.reader->collect(scale, made_source, made_beta, held);
@@ -174,6 +180,40 @@ TEST(Reading, ReactionIsTheTransposeOnAnyRanks) {
   EXPECT_LT(worst, 1e-14);
   if (rank_of(MPI_COMM_WORLD) == 0)
     std::printf("             action and reaction: largest relative error %.1e\n", worst);
+}
+
+// Nodes and corners are short forms of a stencil: the same weights, and whole numbers that arrive in full.
+TEST(Reading, ShortPlacesAreStencils) {
+  for (Read read : {Read::kCell, Read::kTrilinear})
+    for (int sides = 0; sides < 2; ++sides) {
+      ReadScene s(MPI_COMM_WORLD, read, {sides == 1, false, sides == 1}, 1.08);
+      const Window& window = s.reader->window();
+      std::vector<FourNumbers> field(window.box().count());
+      std::mt19937 random(3);
+      std::uniform_real_distribution<double> u(-1, 1);
+      for (FourNumbers& f : field) f = {u(random), u(random), u(random), u(random)};
+      std::vector<FourWholeNumbers> sum(field.size()), expected(field.size());
+      s.for_all([&](std::size_t q, const auto& place) {
+        Stencil w;
+        window.weights(s.bodies.x[q].data(), w);
+        Four one, other;
+        gather<1>(place, window.shape(), field.data(), &one);
+        gather<1>(w, window.shape(), field.data(), &other);
+        for (int c = 0; c < 4; ++c) EXPECT_NEAR(one[c], other[c], 1e-15);
+        const Four total{1e15, -3, 7654321, double(q)};
+        scatter(place, window.shape(), total, sum.data());
+        scatter(w, window.shape(), total, expected.data());
+      });
+      for (std::size_t m = 0; m < sum.size(); ++m)
+        for (int c = 0; c < 4; ++c) EXPECT_NEAR(double(sum[m].at[c] - expected[m].at[c]), 0, c == 0 ? 200 : 40);
+      Four all{0, 0, 0, 0};
+      for (const FourWholeNumbers& f : sum)
+        for (int c = 0; c < 4; ++c) all[c] += double(f.at[c]);
+      const double n = double(s.bodies.x.size());
+      EXPECT_EQ(all[1], -3 * n);
+      EXPECT_EQ(all[2], 7654321 * n);
+      EXPECT_EQ(all[3], n * (n - 1) / 2);
+    }
 }
 
 }  // namespace

@@ -1,0 +1,152 @@
+#include "kick_and_read.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../cfd/compiled.h"
+#include "deposit.h"
+
+namespace twogrid {
+
+namespace {
+
+constexpr double kThreePi = 9.42477796076937971539;
+constexpr int kAhead = 8;
+
+/// Particles on their way through the drag law; arrays padded to whole groups.
+struct Batch {
+  static constexpr int kSize = 8 * kDragBatch;
+  int n = 0;
+  double* row[kSize];  // state
+  alignas(64) double eps[kSize], slip[kSize], speed[kSize], diameter[kSize], per_mass[kSize], size_ratio[kSize];
+  alignas(64) double Re[kSize], F[kSize], b[kSize], response[kSize], decay[kSize];
+  Four drag{0, 0, 0, 0}, coefficient{0, 0, 0, 0}, number{0, 0, 0, 0}, follow{0, 0, 0, 0}, fastest{0, 0, 0, 0};
+};
+
+inline double largest_of(const Four& a) {
+  return std::max(std::max(a[0], a[1]), std::max(a[2], a[3]));
+}
+
+/// slip and speed come as squares.
+template <bool kA>
+inline void finish(Batch& c, const Taking& t) {
+  int padded = c.n;
+  for (; padded % kDragBatch; ++padded) {
+    c.eps[padded] = c.diameter[padded] = c.size_ratio[padded] = 1;
+    c.slip[padded] = c.speed[padded] = c.per_mass[padded] = 0;
+  }
+  const double per_viscosity = t.density / t.viscosity, scale = kThreePi * t.viscosity, dt = t.forces.decay_dt();
+#pragma GCC ivdep
+  for (int l = 0; l < padded; ++l) {
+    c.slip[l] = std::sqrt(c.slip[l]);
+    c.speed[l] = std::sqrt(c.speed[l]);
+    c.Re[l] = c.eps[l] * per_viscosity * c.slip[l] * c.diameter[l];
+  }
+  t.law.F_of(padded, c.eps, c.Re, c.size_ratio, c.F);
+#pragma GCC ivdep
+  for (int l = 0; l < padded; ++l) {
+    const double b_A = scale * c.diameter[l] * c.eps[l] * c.F[l], b_B = b_A / c.eps[l], b = kA ? b_A : b_B;
+    const double k = b * dt * c.per_mass[l], decay = mean_decay_series(k);
+    c.b[l] = b;
+    c.response[l] = b_B;
+    c.decay[l] = k > 0 && k <= kStiff ? decay : 0.0;
+  }
+  for (; c.n < padded; ++c.n) c.b[c.n] = c.response[c.n] = 0;
+  for (int l = 0; l < padded; l += 4) {
+    const Four slip = four_at(c.slip + l), speed = four_at(c.speed + l), b = four_at(c.b + l);
+    const Four rate = four_at(c.response + l) * four_at(c.per_mass + l);
+    keep_largest(c.drag, b * slip);
+    keep_largest(c.coefficient, b);
+    keep_largest(c.number, rate * t.interval);
+    keep_largest(c.follow, rate * t.read_length / (slip + speed + 1e-300));
+    keep_largest(c.fastest, speed);
+  }
+}
+
+template <bool kA>
+inline void flush(Batch& c, const Taking& t) {
+  const int n = c.n;
+  finish<kA>(c, t);
+  for (int l = 0; l < n; ++l) {
+    double* const s = c.row[l];
+    if (s[kDecay] == 0)
+      for (int d = 0; d < 3; ++d) s[kLateForce + d] = 0;
+    four_at(s + kDragCoefficient) = Four{c.b[l], 0, 0, 0};  // and the impulse
+    s[kDecay] = c.decay[l];
+    s[kResponse] = c.response[l];
+    s[kSizeRatio] = c.size_ratio[l];
+  }
+  c.n = 0;
+}
+
+template <bool kKick, bool kA>
+inline void take(Particles& p, const std::vector<int>& who, const std::vector<ImplicitDrag>& drag, const Taking& t,
+                 Taken& taken) {
+  constexpr int kGroups = kA ? 3 : kKick ? 2 : 1;
+  static_assert(kImpulse == kDragCoefficient + 1 && kFluidVelocity == kVoidFraction + 1 &&
+                kVoidFraction == kPressureForce + 3);
+  Batch batch;
+  Four kicks{0, 0, 0, 0}, rest{0, 0, 0, 0}, sizes{0, 0, 0, 0};
+  const std::size_t n = who.size();
+  t.reader.at_places(p, who, t.places, [&](std::size_t q, const auto& place) {
+    const int i = who[q];
+    if (q + kAhead < n)
+      for (int column = kVoidFraction; column <= kSizeRatio; column += 8)
+        __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
+    double* const s = p.state[i];
+    Four out[kGroups];
+    t.reader.template at<kGroups>(place, out);
+    Four v;
+    if (i + 1 == p.n)
+      v = Four{p.v[i][0], p.v[i][1], p.v[i][2], 0};
+    else
+      v = four_at(p.v[i]);
+    const double per_mass = drag[q].seen[3];
+    if (kKick) {
+      const Four kick = drag[q].given[3] * t.interval * (out[kKick] - drag[q].seen);
+      v += kick * per_mass;
+      for (int d = 0; d < 3; ++d) p.v[i][d] = v[d];
+      const Four sum = kicks + kick, seen = sum - kicks;  // compensated, see Sum
+      rest += (kicks - (sum - seen)) + (kick - seen);
+      kicks = sum;
+      sizes += kick < 0 ? -kick : kick;
+    }
+    const Four slip = out[0] - v, slip2 = slip * slip, speed2 = v * v;
+    const double diameter = 2 * p.radius[i], eps = out[0][3];
+    if (kA) four_at(s + kPressureForce) = sphere_volume(p.radius[i]) * out[2];
+    four_at(s + kVoidFraction) = __builtin_shuffle(out[0], FourIntegers{3, 0, 1, 2});
+    const int l = batch.n++;
+    batch.row[l] = s;
+    batch.eps[l] = eps;
+    batch.slip[l] = slip2[0] + slip2[1] + slip2[2];
+    batch.speed[l] = speed2[0] + speed2[1] + speed2[2];
+    batch.diameter[l] = diameter;
+    batch.per_mass[l] = per_mass;
+    batch.size_ratio[l] = compiled::kPolydisperse && t.size_ratio ? t.size_ratio[q] : 1.0;
+    if (batch.n == Batch::kSize) flush<kA>(batch, t);
+  });
+  flush<kA>(batch, t);
+  taken.drag = largest_of(batch.drag);
+  taken.drag_coefficient = largest_of(batch.coefficient);
+  taken.drag_number = largest_of(batch.number);
+  taken.follow = largest_of(batch.follow);
+  taken.speed = largest_of(batch.fastest);
+  for (int d = 0; d < 3; ++d) {
+    taken.kick[d] += kicks[d];
+    taken.kick[d] += rest[d];
+    taken.kick_size += sizes[d];
+  }
+}
+
+}  // namespace
+
+TWOGRID_VECTORISED void kick_and_read(Particles& p, const std::vector<int>& who, const std::vector<ImplicitDrag>& drag,
+                                      const Taking& t, Taken& taken) {
+  if (compiled::kFormulationA && t.pressure)
+    t.kick ? take<true, compiled::kFormulationA>(p, who, drag, t, taken)
+           : take<false, compiled::kFormulationA>(p, who, drag, t, taken);
+  else
+    t.kick ? take<true, false>(p, who, drag, t, taken) : take<false, false>(p, who, drag, t, taken);
+}
+
+}  // namespace twogrid

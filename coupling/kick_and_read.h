@@ -1,0 +1,44 @@
+// After the fluid has advanced, particle by particle: the kick of the implicit drag, what the particle reads now, and
+// its drag coefficient by the drag law.
+#pragma once
+
+#include <vector>
+
+#include "drag.h"
+#include "ledger.h"
+#include "particles.h"
+#include "read.h"
+#include "step_forces.h"
+#include "wrap_up.h"
+
+namespace twogrid {
+
+struct Taking {
+  const Reader& reader;  ///< loaded: velocity and eps; with kick, mean velocity; formulation A: pressure, third
+  const Places& places;  ///< of `who` in it
+  const DragLaw& law;
+  const StepForces& forces;       ///< knows a particle's decay over a DEM step
+  double density, viscosity;      ///< of the fluid
+  double interval;                ///< D (s)
+  double read_length;             ///< of what a particle reads (m)
+  bool kick;                      ///< the fluid has advanced
+  bool pressure;                  ///< formulation A
+  const double* size_ratio;       ///< diameters over the local mean; null: 1
+};
+
+/// This rank's largest values, and sums.
+struct Taken {
+  double drag = 0, drag_coefficient = 0;  ///< N, kg/s
+  double drag_number = 0;                 ///< D over response time
+  double follow = 0;                      ///< time to cross what is read over response time
+  double speed = 0;                       ///< m/s
+  std::array<Sum, 3> kick;                ///< kg m/s
+  double kick_size = 0;                   ///< sum of the sizes of its components (kg m/s)
+};
+
+/// K = b' (mean u - u_seen) D goes to the velocity; then u, eps, pressure force, b and what hangs on it to the state, in
+/// which the next interval's impulse begins at zero. Local.
+void kick_and_read(Particles& p, const std::vector<int>& who, const std::vector<ImplicitDrag>& drag,
+                   const Taking& taking, Taken& taken);
+
+}  // namespace twogrid

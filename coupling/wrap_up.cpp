@@ -1,0 +1,143 @@
+#include "wrap_up.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../cfd/compiled.h"
+#include "decay.h"
+#include "deposit.h"
+
+namespace twogrid {
+
+namespace {
+
+/// Rows of state are asked for so many particles ahead: they don't fit into the nearest caches.
+constexpr int kAhead = 8;
+
+/// Compensated sums of four numbers (see Sum).
+struct FourSums {
+  Four sum{0, 0, 0, 0}, rest{0, 0, 0, 0};
+  void add(const Four& x) {
+    const Four t = sum + x, seen = t - sum;
+    rest += (sum - (t - seen)) + (x - seen);
+    sum = t;
+  }
+};
+
+/// Three numbers and one more that means nothing. `last`: nothing may lie behind them.
+inline void get_three(const double* from, bool last, Four& to) {
+  if (last)
+    to = Four{from[0], from[1], from[2], 0};
+  else
+    to = four_at(from);
+}
+
+template <bool kPeriodic>
+inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const IntervalEnd& end, ImplicitDrag* drag,
+                        FourNumbers* flux_velocity, Survey& survey) {
+  const bool held = compiled::kHeld && p.some_held();
+  const double per_interval = 1 / end.interval;
+  Four period{0, 0, 0, 0}, half{HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+  for (int d = 0; d < 3; ++d)
+    if (p.period[d] > 0) period[d] = p.period[d], half[d] = 0.5 * p.period[d];
+  const Four none{0, 0, 0, 0};
+  FourSums impulses, volumes;  // volumes: of all, of new ones
+  Four sizes = none, largest = none, fastest = none, unbounded = none;
+  double radius = survey.radius, minus_radius = survey.minus_radius, mass = survey.mass;
+  const std::size_t n = who.size();
+  for (std::size_t q = 0; q < n; ++q) {
+    const int i = who[q];
+    if (q + kAhead < n)
+      for (int column = kVoidFraction; column <= kSizeRatio; column += 8)
+        __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
+    double* const s = p.state[i];
+    Four x, v;
+    get_three(p.x[i], i + 1 == p.n, x);
+    get_three(p.v[i], i + 1 == p.n, v);
+    if (end.repeated > 0)
+      for (int d = 0; d < 3; ++d) s[kImpulse + d] += end.repeated * (s[kDragForce + d] + s[kPressureForce + d]);
+    const Four impulse = four_at(s + kImpulse), u = four_at(s + kFluidVelocity);
+    const double m = p.mass[i], b = s[kResponse];
+    const double per_mass = held && p.held(i) ? 0.0 : 1 / m;
+    const double response = b * mean_decay(b * end.interval * per_mass);
+    Four seen = u;
+    if (compiled::kHold && end.change) seen -= Four{end.change[q][0], end.change[q][1], end.change[q][2], 0};
+
+    const double volume = sphere_volume(p.radius[i]);
+    Four way = x - four_at(s + kPosition);
+    if (kPeriodic) {
+      way -= way >= half ? period : none;
+      way += way <= -half ? period : none;
+    }
+    Four mean = way * per_interval, flux;
+    if (s[kVoidFraction] == 0) {
+      mean = flux = v;
+      ++survey.new_particles;
+      survey.new_volume += volume;
+    } else {
+      flux = mean + end.extrapolation * (mean - four_at(s + kPathVelocity));
+    }
+    mean[3] = b;  // of the next column
+    static_assert(kPathVelocity == kPosition + 3 && kResponse == kPathVelocity + 3);
+    four_at(s + kPosition) = x;
+    four_at(s + kPathVelocity) = mean;
+    Four given = response * seen - impulse * per_interval;
+    given[3] = response;
+    seen[3] = per_mass;
+    drag[q].given = given;
+    drag[q].seen = seen;
+    four_at(flux_velocity[q].at) = flux;
+
+    keep_largest_size(largest, given);
+    keep_largest_size(fastest, flux);
+    impulses.add(impulse);
+    sizes += impulse < 0 ? -impulse : impulse;
+    unbounded += (x + v + impulse) * 0.0;
+    radius = std::max(radius, p.radius[i]);
+    minus_radius = std::max(minus_radius, -p.radius[i]);
+    mass = std::max(mass, m);
+    volumes.add(Four{volume, 0, 0, 0});
+  }
+  survey.radius = radius, survey.minus_radius = minus_radius, survey.mass = mass;
+  survey.reaction = std::max({survey.reaction, largest[0], largest[1], largest[2]});
+  survey.response = std::max(survey.response, largest[3]);
+  survey.flux_velocity = std::sqrt(fastest[0] * fastest[0] + fastest[1] * fastest[1] + fastest[2] * fastest[2]);
+  for (int d = 0; d < 3; ++d) {
+    survey.impulse[d] += impulses.sum[d];
+    survey.impulse[d] += impulses.rest[d];
+    survey.impulse_size += sizes[d];
+  }
+  survey.volume += volumes.sum[0];
+  survey.volume += volumes.rest[0];
+  survey.finite = survey.finite && unbounded[0] + unbounded[1] + unbounded[2] == 0;
+}
+
+}  // namespace
+
+TWOGRID_VECTORISED static void wrap_up_rows(const Particles& p, const std::vector<int>& who, const IntervalEnd& end,
+                                            ImplicitDrag* drag, FourNumbers* flux_velocity, Survey& survey) {
+  if (p.period[0] > 0 || p.period[1] > 0 || p.period[2] > 0)
+    wrap_up_all<true>(p, who, end, drag, flux_velocity, survey);
+  else
+    wrap_up_all<false>(p, who, end, drag, flux_velocity, survey);
+}
+
+void wrap_up(const Particles& p, const std::vector<int>& who, const IntervalEnd& end, std::vector<ImplicitDrag>& drag,
+             std::vector<FourNumbers>& flux_velocity, Survey& survey) {
+  drag.resize(who.size());
+  flux_velocity.resize(who.size());
+  wrap_up_rows(p, who, end, drag.data(), flux_velocity.data(), survey);
+}
+
+void begin(const Particles& p, const std::vector<int>& who, std::vector<ImplicitDrag>& drag,
+           std::vector<FourNumbers>& flux_velocity, Survey& survey) {
+  for (int i : who) {
+    std::fill(p.state[i], p.state[i] + kParticleColumns, 0.0);
+    for (int d = 0; d < 3; ++d) p.state[i][kPosition + d] = p.x[i][d];
+  }
+  wrap_up(p, who, {1, 0, 0, nullptr}, drag, flux_velocity, survey);
+  survey.new_particles = 0;
+  survey.new_volume = {};
+}
+
+}  // namespace twogrid
