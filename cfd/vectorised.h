@@ -31,6 +31,13 @@ inline const FourInRow& four_at(const double* first) {
 inline FourInRow& four_at(double* first) {
   return *reinterpret_cast<FourInRow*>(first);
 }
+/// Three numbers, and a fourth that means nothing. last: nothing may lie behind them.
+inline void three_at(const double* first, bool last, Four& to) {
+  if (last)
+    to = Four{first[0], first[1], first[2], 0};
+  else
+    to = four_at(first);
+}
 typedef long long FourIntegersInRow __attribute__((vector_size(32), aligned(8), may_alias));
 inline FourIntegersInRow& four_at(long long* first) {
   return *reinterpret_cast<FourIntegersInRow*>(first);

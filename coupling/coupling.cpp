@@ -511,8 +511,10 @@ namespace {
 TWOGRID_VECTORISED void add_reactions(Reader& reader, const Particles& p, const std::vector<int>& who,
                                       const Places& places, const std::vector<ImplicitDrag>& drag,
                                       const Four& per_unit) {
+  const WindowShape shape = reader.shape();
+  FourWholeNumbers* const sum = reader.sum();
   reader.at_places(p, who, places, [&](std::size_t q, const auto& place) {
-    reader.react(place, (drag[q].given * per_unit + kWhole) - kWhole);
+    scatter(place, shape, (drag[q].given * per_unit + kWhole) - kWhole, sum);
   });
 }
 

@@ -88,6 +88,10 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
   Batch batch;
   Four kicks{0, 0, 0, 0}, rest{0, 0, 0, 0}, sizes{0, 0, 0, 0};
   const std::size_t n = who.size();
+  const WindowShape shape = t.reader.shape();
+  const FourNumbers* const field = t.reader.field();
+  const double* const size_ratio = compiled::kPolydisperse ? t.size_ratio : nullptr;
+  const double interval = t.interval;
   t.reader.at_places(p, who, t.places, [&](std::size_t q, const auto& place) {
     const int i = who[q];
     if (q + kAhead < n)
@@ -95,15 +99,12 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
         __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
     double* const s = p.state[i];
     Four out[kGroups];
-    t.reader.template at<kGroups>(place, out);
+    gather<kGroups>(place, shape, field, out);
     Four v;
-    if (i + 1 == p.n)
-      v = Four{p.v[i][0], p.v[i][1], p.v[i][2], 0};
-    else
-      v = four_at(p.v[i]);
+    three_at(p.v[i], i + 1 == p.n, v);
     const double per_mass = drag[q].seen[3];
     if (kKick) {
-      const Four kick = drag[q].given[3] * t.interval * (out[kKick] - drag[q].seen);
+      const Four kick = drag[q].given[3] * interval * (out[kKick] - drag[q].seen);
       v += kick * per_mass;
       for (int d = 0; d < 3; ++d) p.v[i][d] = v[d];
       const Four sum = kicks + kick, seen = sum - kicks;  // compensated, see Sum
@@ -122,7 +123,7 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
     batch.speed[l] = speed2[0] + speed2[1] + speed2[2];
     batch.diameter[l] = diameter;
     batch.per_mass[l] = per_mass;
-    batch.size_ratio[l] = compiled::kPolydisperse && t.size_ratio ? t.size_ratio[q] : 1.0;
+    batch.size_ratio[l] = size_ratio ? size_ratio[q] : 1.0;
     if (batch.n == Batch::kSize) flush<kA>(batch, t);
   });
   flush<kA>(batch, t);

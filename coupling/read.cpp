@@ -42,10 +42,20 @@ TWOGRID_VECTORISED void find_nodes(const Window& window, const Particles& p, con
 
 TWOGRID_VECTORISED void find_corners(const Window& window, const Particles& p, const std::vector<int>& who,
                                      Corners* corners) {
-  for (std::size_t q = 0; q < who.size(); ++q) corners[q] = window.corners(p.x[who[q]]);
+  const std::size_t n = who.size();
+  if (!window.uniform()) {
+    for (std::size_t q = 0; q < n; ++q) corners[q] = window.corners(p.x[who[q]]);
+    return;
+  }
+  const Window::UniformPairs pairs = window.uniform_pairs();
+  for (std::size_t q = 0; q < n; ++q) {
+    Four x;
+    three_at(p.x[who[q]], who[q] + 1 == p.n, x);
+    Window::corners(pairs, x, corners[q]);
+  }
 }
 
-/// Value c of the group of every node.
+/// One value of the group of every node.
 void interleave(const Array3<double>& from, int stride, double* to) {
   const double* const value = from.data();
   for (std::size_t m = 0, n = from.size(); m < n; ++m) to[m * stride] = value[m];

@@ -73,14 +73,18 @@ class Reader {
   /// Makes fields readable, in groups of four: velocity and eps; mean velocity; pressure. groups: how many of these, 1
   /// to 3. Collective.
   void load(const Readable& fields, int groups);
-  /// The groups at a place, as loaded.
+  /// The groups as loaded, on the window; for gather().
+  const FourNumbers* field() const { return field_.data(); }
+  const WindowShape& shape() const { return shape_; }
+  /// The groups at a place.
   template <int kGroups, class Place>
   void at(const Place& place, Four* out) const {
     gather<kGroups>(place, shape_, field_.data(), out);
   }
 
-  /// Reaction: three components and one coefficient, in whole numbers of units.
+  /// Reaction: three components and one coefficient, in whole numbers of units. sum(): on the window, for scatter().
   void clear_reaction();
+  FourWholeNumbers* sum() { return sum_.data(); }
   template <class Place>
   void react(const Place& place, const Four& whole) {
     scatter(place, shape_, whole, sum_.data());

@@ -75,9 +75,11 @@ int Window::Span::find_stretched(double x) const {
   return std::clamp(int(std::upper_bound(node.begin(), node.end(), x) - node.begin()) - 1, 0, n - 1) + lo;
 }
 
-int Window::Span::find_pair(double x) const {
+void Window::Span::between_stretched(double x, int& lower, double& w) const {
+  const int n = int(centre.size());
   const int above = int(std::upper_bound(centre.begin(), centre.end(), x) - centre.begin());
-  return std::clamp(above - 1, 0, int(last_pair));
+  lower = std::clamp(above - 1, 0, std::max(n - 2, 0));
+  w = n > 1 ? std::clamp((x - centre[lower]) / (centre[lower + 1] - centre[lower]), 0.0, 1.0) : 0.0;
 }
 
 Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region,
@@ -98,13 +100,11 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
     for (int i = s.lo; i <= s.hi; ++i) s.node.push_back(node_image(a, i));
     for (int i = 0; i < s.hi - s.lo; ++i) s.centre.push_back(0.5 * (s.node[i] + s.node[i + 1]));
     if (!a.periodic() && s.hi == a.n()) s.node.back() = a.hi();
-    const int pairs = std::max(s.hi - s.lo - 1, 1);
-    s.last_pair = pairs - 1;
-    for (int i = 0; i < pairs; ++i) {
-      s.pair_lo.push_back(i == 0 ? -HUGE_VAL : s.centre[i]);
-      s.pair_hi.push_back(i == pairs - 1 ? HUGE_VAL : s.centre[i + 1]);
-      s.inverse_gap.push_back(s.centre.size() > 1 ? 1 / (s.centre[i + 1] - s.centre[i]) : 0.0);
-    }
+    const int before = a.periodic() ? a.n() : 0;  // nodes before the first that have a place
+    s.pair_origin = a.lo() + (0.5 - before) * (a.length() / a.n());
+    s.per_gap = a.n() / a.length();
+    s.first_pair = s.lo + before, s.end_pair = s.hi - 1 + before;
+    s.last_pair = std::max(s.end_pair - 1, s.first_pair);
     s.edge = s.node;
     s.edge.front() = -HUGE_VAL, s.edge.back() = HUGE_VAL;
     s.domain_lo = a.lo(), s.domain_hi = a.hi();

@@ -40,10 +40,9 @@ class Window {
     std::vector<double> node;    ///< low sides, and the high side of the last: hi - lo + 1
     std::vector<double> edge;    ///< the same, minus and plus infinity for the first and last
     std::vector<double> centre;  ///< hi - lo
-    /// Of pairs of neighbours: where x must lie for them, infinite for the first and last; one over the distance of
-    /// their centres (a single node: zero).
-    std::vector<double> pair_lo, pair_hi, inverse_gap;
-    double last_pair = 0;
+    /// Uniform: centres lie at pair_origin + k / per_gap, k whole and not negative. The same origin on all ranks, so
+    /// that weights are. Pairs of the window begin at first_pair to last_pair; its last centre is end_pair.
+    double pair_origin = 0, per_gap = 0, first_pair = 0, last_pair = 0, end_pair = 0;
     double domain_lo = 0, domain_hi = 0;
     double x_lo = 0, x_hi = 0;  ///< where this rank's particles may be
     bool periodic = false, uniform = false;
@@ -61,12 +60,13 @@ class Window {
     /// Of the two nodes between whose centres x lies: the lower one, from the window's first on, and the weight of the
     /// upper one. Beyond the outermost centre all weight is with that node. (A single node: it, and zero.)
     void between(double x, int& lower, double& w) const {
-      int i = uniform ? int(std::min(std::max((x - centre[0]) * inverse_width, 0.0), last_pair)) : find_pair(x);
-      i += int(x >= pair_hi[i]) - int(x < pair_lo[i]);
-      lower = i;
-      w = std::min(std::max((x - centre[i]) * inverse_gap[i], 0.0), 1.0);
+      if (!uniform) return between_stretched(x, lower, w);
+      const double t = std::min(std::max((x - pair_origin) * per_gap, first_pair), end_pair);
+      const double pair = std::min(double(int(t)), last_pair);
+      lower = int(pair - first_pair);
+      w = t - pair;
     }
-    int find_pair(double x) const;
+    void between_stretched(double x, int& lower, double& w) const;
     double low(int i) const { return node[i - lo]; }
     double high(int i) const { return node[i + 1 - lo]; }
   };
@@ -106,6 +106,34 @@ class Window {
     for (int d = 0; d < 3; ++d) span_[d].between(x[d], i[d], c.w[d]);
     c.at = place(i[0], i[1], i[2]);
     return c;
+  }
+  /// All directions uniform: the same at once, as Span::between().
+  struct UniformPairs {
+    Four origin, per_gap, first, last, end, stride;
+  };
+  bool uniform() const { return span_[0].uniform && span_[1].uniform && span_[2].uniform; }
+  UniformPairs uniform_pairs() const {
+    UniformPairs p;
+    const WindowShape s = shape();
+    for (int d = 0; d < 3; ++d) {
+      const Span& a = span_[d];
+      p.origin[d] = a.pair_origin, p.per_gap[d] = a.per_gap;
+      p.first[d] = a.first_pair, p.last[d] = a.last_pair, p.end[d] = a.end_pair;
+      p.stride[d] = s.up[d];
+    }
+    p.origin[3] = p.per_gap[3] = p.first[3] = p.last[3] = p.end[3] = p.stride[3] = 0;
+    return p;
+  }
+  static void corners(const UniformPairs& a, const Four& x, Corners& c) {
+    typedef int FourInt __attribute__((vector_size(16)));
+    Four t = (x - a.origin) * a.per_gap;
+    t = t > a.first ? t : a.first;
+    t = t < a.end ? t : a.end;
+    Four pair = __builtin_convertvector(__builtin_convertvector(t, FourInt), Four);
+    pair = pair < a.last ? pair : a.last;
+    const Four w = t - pair, at = (pair - a.first) * a.stride;
+    for (int d = 0; d < 3; ++d) c.w[d] = w[d];
+    c.at = std::ptrdiff_t(at[0] + at[1] + at[2]);
   }
   WindowShape shape() const {
     const int row = box_.size(0), slab = row * box_.size(1);

@@ -24,14 +24,6 @@ struct FourSums {
   }
 };
 
-/// Three numbers and one more that means nothing. `last`: nothing may lie behind them.
-inline void get_three(const double* from, bool last, Four& to) {
-  if (last)
-    to = Four{from[0], from[1], from[2], 0};
-  else
-    to = four_at(from);
-}
-
 template <bool kPeriodic>
 inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const IntervalEnd& end, ImplicitDrag* drag,
                         FourNumbers* flux_velocity, Survey& survey) {
@@ -52,8 +44,8 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
         __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
     double* const s = p.state[i];
     Four x, v;
-    get_three(p.x[i], i + 1 == p.n, x);
-    get_three(p.v[i], i + 1 == p.n, v);
+    three_at(p.x[i], i + 1 == p.n, x);
+    three_at(p.v[i], i + 1 == p.n, v);
     if (end.repeated > 0)
       for (int d = 0; d < 3; ++d) s[kImpulse + d] += end.repeated * (s[kDragForce + d] + s[kPressureForce + d]);
     const Four impulse = four_at(s + kImpulse), u = four_at(s + kFluidVelocity);
