@@ -1,5 +1,6 @@
 #include "block_exchange.h"
 
+#include <algorithm>
 #include <cstring>
 #include <type_traits>
 
@@ -174,5 +175,64 @@ TWOGRID_INSTANTIATE(double)
 TWOGRID_INSTANTIATE(long long)
 TWOGRID_INSTANTIATE(unsigned char)
 #undef TWOGRID_INSTANTIATE
+
+FaceExchange::FaceExchange(MPI_Comm comm, const std::array<std::vector<Box>, 3>& owned,
+                           const std::array<std::vector<Box>, 3>& wanted, const Int3& period,
+                           const std::array<bool, 3>& periodic)
+    : comm_(comm) {
+  for (int d = 0; d < 3; ++d) part_[d] = BlockExchange(comm, owned[d], wanted[d], period, periodic);
+  send_ = join({&part_[0].send_, &part_[1].send_, &part_[2].send_});
+  receive_ = join({&part_[0].receive_, &part_[1].receive_, &part_[2].receive_});
+  request_.resize(send_.size() + receive_.size());
+}
+
+std::vector<FaceExchange::Joint> FaceExchange::join(
+    const std::array<const std::vector<BlockExchange::Peer>*, 3>& lists) {
+  std::vector<Joint> joint;
+  for (int d = 0; d < 3; ++d)
+    for (std::size_t p = 0; p < lists[d]->size(); ++p) {
+      const BlockExchange::Peer& peer = (*lists[d])[p];
+      auto at = std::lower_bound(joint.begin(), joint.end(), peer.rank,
+                                 [](const Joint& j, int rank) { return j.rank < rank; });
+      if (at == joint.end() || at->rank != peer.rank) at = joint.insert(at, {peer.rank, {-1, -1, -1}, 0});
+      at->peer[d] = int(p);
+      at->count += peer.count;
+    }
+  return joint;
+}
+
+void FaceExchange::bring(const std::array<Array3<double>*, 3>& field) const {
+  constexpr int tag = 4713;
+  using Peer = BlockExchange::Peer;
+  using Piece = BlockExchange::Piece;
+  auto window_box = [](const Piece& q) { return q.owner.shifted(q.shift); };
+  double* const in = make_room<double>(receive_, 1, in_);
+  double* at = in;
+  for (std::size_t p = 0; p < receive_.size(); at += receive_[p++].count)
+    MPI_Irecv(at, int(receive_[p].count), MPI_DOUBLE, receive_[p].rank, tag, comm_, &request_[p]);
+  double* out = make_room<double>(send_, 1, out_);
+  for (std::size_t p = 0; p < send_.size(); ++p) {
+    double* const first = out;
+    for (int d = 0; d < 3; ++d) {
+      if (send_[p].peer[d] < 0) continue;
+      const Peer& peer = part_[d].send_[send_[p].peer[d]];
+      for (const Piece& q : peer.pieces) pack(*field[d], q.owner, out);
+    }
+    MPI_Isend(first, int(send_[p].count), MPI_DOUBLE, send_[p].rank, tag, comm_, &request_[receive_.size() + p]);
+  }
+  for (int d = 0; d < 3; ++d)
+    for (const Piece& q : part_[d].self_)
+      if (!(q.shift == Int3{0, 0, 0})) carry_over(*field[d], q.owner, *field[d], window_box(q), false);
+  const double* arrived = in;
+  for (std::size_t p = 0; p < receive_.size(); ++p) {
+    MPI_Wait(&request_[p], MPI_STATUS_IGNORE);
+    for (int d = 0; d < 3; ++d) {
+      if (receive_[p].peer[d] < 0) continue;
+      const Peer& peer = part_[d].receive_[receive_[p].peer[d]];
+      for (const Piece& q : peer.pieces) unpack(*field[d], window_box(q), arrived, false);
+    }
+  }
+  MPI_Waitall(int(send_.size()), request_.data() + receive_.size(), MPI_STATUSES_IGNORE);
+}
 
 }  // namespace twogrid

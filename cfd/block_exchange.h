@@ -5,6 +5,7 @@
 
 #include <mpi.h>
 
+#include <array>
 #include <vector>
 
 #include "box.h"
@@ -56,6 +57,38 @@ class BlockExchange {
   std::vector<Piece> self_;
   mutable std::vector<double> in_, out_;      // messages: kept, so that a transfer allocates nothing
   mutable std::vector<MPI_Request> request_;  // of those from others, then of those to others
+
+  friend class FaceExchange;
+};
+
+/// Halos of the three components of a face field, in one message per pair of ranks.
+class FaceExchange {
+ public:
+  FaceExchange() = default;
+  /// As for BlockExchange, for each direction d.
+  FaceExchange(MPI_Comm comm, const std::array<std::vector<Box>, 3>& owned,
+               const std::array<std::vector<Box>, 3>& wanted, const Int3& period, const std::array<bool, 3>& periodic);
+
+  /// The arrays hold own values and halo. Collective.
+  void bring(const std::array<Array3<double>*, 3>& field) const;
+  template <class Field>
+  void bring(Field& field) const {
+    bring(std::array<Array3<double>*, 3>{&field[0], &field[1], &field[2]});
+  }
+
+ private:
+  struct Joint {
+    int rank;
+    std::array<int, 3> peer;  // index in the direction's list, or -1
+    std::size_t count;
+  };
+  static std::vector<Joint> join(const std::array<const std::vector<BlockExchange::Peer>*, 3>& lists);
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  std::array<BlockExchange, 3> part_;
+  std::vector<Joint> send_, receive_;
+  mutable std::vector<double> in_, out_;
+  mutable std::vector<MPI_Request> request_;
 };
 
 }  // namespace twogrid

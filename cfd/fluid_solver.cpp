@@ -6,6 +6,7 @@
 
 #include "compiled.h"
 #include "pressure_solver.h"
+#include "reduction.h"
 #include "vectorised.h"
 #include "viscous_solver.h"
 
@@ -111,8 +112,8 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
       row_b_(local_.size(0)) {
   const auto wanted = with_halo(layout_.all_cells(), boundaries_.halo());
   cell_halo_ = BlockExchange(comm_, layout_.all_cells(), wanted, grid_.n(), grid_.periodic());
-  for (int d = 0; d < 3; ++d)
-    face_halo_[d] = BlockExchange(comm_, layout_.all_faces(d), wanted, grid_.n(), grid_.periodic());
+  face_halo_ = FaceExchange(comm_, {layout_.all_faces(0), layout_.all_faces(1), layout_.all_faces(2)},
+                            {wanted, wanted, wanted}, grid_.n(), grid_.periodic());
   pressure_solver_ =
       std::make_unique<PressureSolver>(comm_, grid_, layout_, settings_.pressure_rtol, boundaries_.halo());
 
@@ -126,7 +127,7 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
 FluidSolver::~FluidSolver() = default;
 
 void FluidSolver::fill(FaceField<FineGrid>& u, bool ghosts) const {
-  for (int d = 0; d < 3; ++d) face_halo_[d].bring<double>(u[d]);
+  face_halo_.bring(u);
   if (ghosts) boundaries_.apply(u);
 }
 
@@ -134,7 +135,7 @@ void FluidSolver::fill(FaceField<FineGrid>& u, bool ghosts) const {
 void FluidSolver::set_face_eps() {
   momentum_.face_mean(eps_[0], eps_f_);
   boundaries_.apply_face_eps(eps_f_);
-  for (int d = 0; d < 3; ++d) face_halo_[d].bring<double>(eps_f_[d]);
+  face_halo_.bring(eps_f_);
 }
 
 void FluidSolver::fill(CellField<FineGrid>& c) const {
@@ -575,7 +576,7 @@ TWOGRID_VECTORISED void FluidSolver::missing_continuity(double& scale, double& s
 }
 
 void FluidSolver::project(const Step& step, const Interphase& exchange, FluidReport& report) {
-  for (int d = 0; d < 3; ++d) face_halo_[d].bring<double>(u_next_[d]);
+  face_halo_.bring(u_next_);
   boundaries_.apply_normal(u_next_);
 
   set_conductance(exchange);
@@ -584,12 +585,12 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
   missing_continuity(scale, sum);
   double total_volume = 1;
   for (int d = 0; d < 3; ++d) total_volume *= grid_.axis[d].length();
-  MPI_Allreduce(MPI_IN_PLACE, &scale, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  double whole = sum;
+  Reduction::over_ranks(comm_, {&scale}, {&whole});
   velocity_scale_ = scale;
   if (!boundaries_.open()) {
     // A closed or periodic domain: what is left over is the round-off of the solid volume's conservation.
-    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
-    rate_.excess = sum / total_volume;
+    rate_.excess = whole / total_volume;
     for_each(own_, [&](int i, int j, int k) { imbalance_(i, j, k) -= rate_.excess * grid_.volume(i, j, k); });
   }
   if (implicit_viscosity_) divergence_ = imbalance_;
@@ -813,8 +814,7 @@ void FluidSolver::measure(const Step& step, double share, FluidReport& report) {
       }
     });
   }
-  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE, MPI_MAX, comm_);
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 7, MPI_DOUBLE, MPI_SUM, comm_);
+  Reduction::over_ranks(comm_, {&worst}, {&sum[0], &sum[1], &sum[2], &sum[3], &sum[4], &sum[5], &sum[6]});
   report.divergence_error = velocity_scale_ > 0 ? worst / velocity_scale_ : 0;
   report.inflow = sum[0], report.outflow = sum[1], report.displaced = sum[2];
   report.pressure_drop += share * ((sum[4] > 0 ? sum[3] / sum[4] : 0) - (sum[6] > 0 ? sum[5] / sum[6] : 0));

@@ -153,7 +153,7 @@ class FluidSolver : public Fluid {
   std::array<Box, 3> faces_;  // own faces
   Momentum momentum_;
   BlockExchange cell_halo_;
-  std::array<BlockExchange, 3> face_halo_;
+  FaceExchange face_halo_;
   std::unique_ptr<PressureSolver> pressure_solver_;
   std::unique_ptr<ViscousSolver> viscous_solver_;  // made when first needed
 

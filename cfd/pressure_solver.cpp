@@ -111,7 +111,9 @@ class PressureSolver::Impl {
       singular_ = singular;
       known_ = true;
     }
-    operator_scale_ = 1 / power_of_two(typical_conductance());
+    // A power of two, for single precision's range only: it may stay what it was at first.
+    if (!(typical_ > 0)) typical_ = typical_conductance();
+    operator_scale_ = 1 / power_of_two(typical_);
     multigrid_.set_operator({&g[0], &g[1], &g[2]}, singular, operator_scale_);
   }
 
@@ -374,6 +376,7 @@ class PressureSolver::Impl {
   Box own_;
   bool singular_ = false, known_ = false;
   double target_ = 0;                          // residual norm at which to stop
+  double typical_ = 0;                         // conductance, of the first operator that has one
   double operator_scale_ = 1, rhs_scale_ = 1;  // factors on A and on residuals in the multigrid
   FaceHalo halo_;
   Box memory_;                        // of g_ and x_

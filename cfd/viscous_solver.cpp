@@ -10,7 +10,7 @@ namespace twogrid {
 class ViscousSolver::Impl {
  public:
   Impl(MPI_Comm comm, const Boundaries& boundaries, Momentum& momentum, const std::array<Box, 3>& faces,
-       const Box& local, const std::array<BlockExchange, 3>& halo)
+       const Box& local, const FaceExchange& halo)
       : boundaries_(boundaries), momentum_(momentum), faces_(faces), halo_(halo) {
     for (int d = 0; d < 3; ++d) {
       for (auto* f : {&work_, &force_, &diagonal_}) (*f)[d].reset(local);
@@ -75,7 +75,7 @@ class ViscousSolver::Impl {
  private:
   /// force_ = A V w - integral of div(eps tau(w)) of w = work_.
   void apply(bool homogeneous) {
-    for (int d = 0; d < 3; ++d) halo_[d].bring<double>(work_[d]);
+    halo_.bring(work_);
     boundaries_.apply(work_, homogeneous);
     for (auto& f : force_) f.fill(0);
     momentum_.viscous(mu_, *eps_, work_, force_);
@@ -130,7 +130,7 @@ class ViscousSolver::Impl {
   const Boundaries& boundaries_;
   Momentum& momentum_;
   std::array<Box, 3> faces_;
-  const std::array<BlockExchange, 3>& halo_;
+  const FaceExchange& halo_;
   std::array<std::vector<int>, 3> unknown_;  // memory indices of the solved own faces
   FaceField<FineGrid> work_, force_, diagonal_;
   double mu_ = 0;
@@ -143,7 +143,7 @@ class ViscousSolver::Impl {
 
 ViscousSolver::ViscousSolver(MPI_Comm comm, const Boundaries& boundaries, Momentum& momentum,
                              const std::array<Box, 3>& faces, const Box& local,
-                             const std::array<BlockExchange, 3>& halo)
+                             const FaceExchange& halo)
     : impl_(std::make_unique<Impl>(comm, boundaries, momentum, faces, local, halo)) {}
 
 ViscousSolver::~ViscousSolver() = default;

@@ -18,7 +18,7 @@ class ViscousSolver {
  public:
   /// Collective. The references must outlive the solver.
   ViscousSolver(MPI_Comm comm, const Boundaries& boundaries, Momentum& momentum, const std::array<Box, 3>& faces,
-                const Box& local, const std::array<BlockExchange, 3>& halo);
+                const Box& local, const FaceExchange& halo);
   ~ViscousSolver();
 
   /// inertia: A (kg/(m3 s)), rhs (N), own faces; u on entry: first guess with prescribed faces set, on return: the

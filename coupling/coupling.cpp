@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../cfd/compiled.h"
+#include "../cfd/reduction.h"
 #include "deposit.h"
 #include "drag.h"
 #include "eps_bound.h"
@@ -109,8 +110,9 @@ class Coupling::Impl {
   void set_outside(const Particles& p, int i);
   void end_interval(Particles& p, double interval, double dem_dt);
   void reduce(const Particles& p, const Survey& mine);
-  long long find_bad(const Particles& p, long long& not_finite, long long& uncovered) const;
+  long long find_bad(const Particles& p, double& not_finite, double& uncovered) const;
   void deposit(const Particles& p);
+  void check_room() const;
   void find_deleted(const Particles& p);
   void allocate_replacement();
   const CellField<FineGrid>* replacement(const Particles& p);
@@ -179,6 +181,8 @@ class Coupling::Impl {
   long long kept_particles_ = 0;
   decltype(Ledger::deposited_volume) kept_volume_{};
   Ledger ledger_;
+  std::array<double, 10> ledger_sums_;  // over ranks
+  double eps_min_ = 1;                  // of own nodes
 };
 
 Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, const ParticleRegion& region)
@@ -362,7 +366,7 @@ void Coupling::Impl::end_interval(Particles& p, double interval, double dem_dt) 
 }
 
 /// Looks for particles that can't be served; tag of one of them, or -1.
-long long Coupling::Impl::find_bad(const Particles& p, long long& not_finite, long long& uncovered) const {
+long long Coupling::Impl::find_bad(const Particles& p, double& not_finite, double& uncovered) const {
   long long bad_tag = -1;
   for (const std::vector<int>* list : {&inside_, &leaving_})
     for (int i : *list) {
@@ -384,35 +388,34 @@ void Coupling::Impl::reduce(const Particles& p, const Survey& mine) {
   ledger_.magnitude += mine.impulse_size;
   ledger_.particle_volume = mine.volume;
   ledger_.inserted_volume = mine.new_volume;
-  long long count[5] = {(long long)inside_.size(), mine.new_particles, 0, 0, (long long)leaving_.size()}, all_counts[5];
+  double count[5] = {double(inside_.size()), double(mine.new_particles), 0, 0, double(leaving_.size())};
   long long bad_tag = -1;
   if (!mine.finite || !covered_) bad_tag = find_bad(p, count[3], count[2]);
   new_.clear();
   if (mine.new_particles > 0)
     for (int i : inside_)
       if (p.state[i][kVoidFraction] == 0) new_.push_back(i);
-  const double largest[7] = {mine.radius,   mine.minus_radius,  mine.mass,      mine.reaction,
-                             mine.response, mine.flux_velocity, double(bad_tag)};
-  double all[7];
-  MPI_Allreduce(largest, all, 7, MPI_DOUBLE, MPI_MAX, comm_);
-  MPI_Allreduce(count, all_counts, 5, MPI_LONG_LONG, MPI_SUM, comm_);
-  if (all_counts[3] > 0)
+  extremes_ = {mine.radius, mine.minus_radius, mine.mass, mine.reaction, mine.response, mine.flux_velocity, extremes_.follow};
+  double tag = double(bad_tag);
+  Reduction::over_ranks(comm_,
+                        {&extremes_.radius, &extremes_.minus_radius, &extremes_.mass, &extremes_.reaction,
+                         &extremes_.response, &extremes_.flux_velocity, &tag},
+                        {&count[0], &count[1], &count[2], &count[3], &count[4]});
+  if (count[3] > 0)
     throw std::runtime_error(
-        std::to_string(all_counts[3]) + " particles have a position, velocity or impulse that is " +
-        "not finite, one of them tag " + std::to_string((long long)all[6]) + ": reduce timestep or every");
-  if (all_counts[2] > 0)
-    throw std::runtime_error(std::to_string(all_counts[2]) + " particles lie further than " +
+        std::to_string((long long)count[3]) + " particles have a position, velocity or impulse that is " +
+        "not finite, one of them tag " + std::to_string((long long)tag) + ": reduce timestep or every");
+  if (count[2] > 0)
+    throw std::runtime_error(std::to_string((long long)count[2]) + " particles lie further than " +
                              std::to_string(region_.reach) + " m outside their rank's box, one of them tag " +
-                             std::to_string((long long)all[6]) +
+                             std::to_string((long long)tag) +
                              ": let the neighbour lists be rebuilt more often, or reduce timestep");
-  extremes_.radius = all[0], extremes_.minus_radius = all[1], extremes_.mass = all[2];
-  extremes_.reaction = all[3], extremes_.response = all[4], extremes_.flux_velocity = all[5];
-  report_.particles = all_counts[0];
-  new_count_ = all_counts[1];
+  report_.particles = (long long)count[0];
+  new_count_ = (long long)count[1];
   // Most particles a node's sum can hold: all of them, or what sixteen times its volume holds; and those that leave.
-  const double smallest = all_counts[0] > 0 ? sphere_volume(-extremes_.minus_radius) : 1.0;
+  const double smallest = count[0] > 0 ? sphere_volume(-extremes_.minus_radius) : 1.0;
   terms_ = std::max(
-      1.0, std::min(double(all_counts[0]), 16 * (nodes_.largest_volume() / smallest + 1)) + double(all_counts[4]));
+      1.0, std::min(count[0], 16 * (nodes_.largest_volume() / smallest + 1)) + count[4]);
 }
 
 void Coupling::Impl::deposit(const Particles& p) {
@@ -439,18 +442,13 @@ void Coupling::Impl::deposit(const Particles& p) {
   const SolidLimit::Result limited = limit_(scale, solid_);
   report_.volume_moved = limited.displaced;
   report_.volume_unplaced = limited.unplaced;
-  double eps_min = 1;
+  eps_min_ = 1;
   for_each(solid_.box(), [&](int i, int j, int k) {
     const double eps = 1 - scale.value(solid_(i, j, k)) / nodes_.volume(i, j, k);
     eps_node_(i, j, k) = eps;
-    eps_min = std::min(eps_min, eps);
+    eps_min_ = std::min(eps_min_, eps);
   });
-  MPI_Allreduce(&eps_min, &report_.eps_min, 1, MPI_DOUBLE, MPI_MIN, comm_);
-  if (!(report_.eps_min > 0))
-    throw std::runtime_error("the particles fill a particle cell to " + std::to_string(1 - report_.eps_min) +
-                             " of its volume and there is no room beside it, wanted: at most 1 - eps_min = " +
-                             std::to_string(1 - settings_.eps_min) +
-                             ": insert fewer particles, or choose larger particle cells by ratio");
+  if (limited.unplaced > 0) check_room();  // else no node is above the bound
   inject_(eps_node_, fine);
   int rank = 0;
   MPI_Comm_rank(comm_, &rank);
@@ -458,6 +456,16 @@ void Coupling::Impl::deposit(const Particles& p) {
   for_each(fluid_.layout().cells(rank),
            [&](int i, int j, int k) { ledger_.deposited_volume += (1 - fine(i, j, k)) * grid.volume(i, j, k); });
   kept_volume_ = ledger_.deposited_volume;
+}
+
+void Coupling::Impl::check_room() const {
+  double eps_min;
+  MPI_Allreduce(&eps_min_, &eps_min, 1, MPI_DOUBLE, MPI_MIN, comm_);
+  if (!(eps_min > 0))
+    throw std::runtime_error("the particles fill a particle cell to " + std::to_string(1 - eps_min) +
+                             " of its volume and there is no room beside it, wanted: at most 1 - eps_min = " +
+                             std::to_string(1 - settings_.eps_min) +
+                             ": insert fewer particles, or choose larger particle cells by ratio");
 }
 
 /// Commands between two runs may have deleted particles. Fluid takes their place at the next coupling: what
@@ -665,15 +673,19 @@ void Coupling::Impl::take(Particles& p, double interval) {
   for (int d = 0; d < 3; ++d) ledger_.action[d] += mine.kick[d].value();
   ledger_.magnitude += mine.kick_size;
   for (int i : leaving_) set_outside(p, i);
-  double largest[5] = {mine.speed, mine.drag, mine.drag_coefficient, mine.drag_number, mine.follow}, all[5];
-  MPI_Allreduce(largest, all, 5, MPI_DOUBLE, MPI_MAX, comm_);
-  extremes_.follow = all[4];
-  report_.travel = all[0] * interval / cell_width_;
-  choose_hold(all[3]);
+  double minus_eps_min = -eps_min_;
+  std::array<double, 10>& l = ledger_sums_ = ledger_.own();
+  Reduction::over_ranks(
+      comm_, {&mine.speed, &mine.drag, &mine.drag_coefficient, &mine.drag_number, &mine.follow, &minus_eps_min},
+      {&l[0], &l[1], &l[2], &l[3], &l[4], &l[5], &l[6], &l[7], &l[8], &l[9]});
+  extremes_.follow = mine.follow;
+  report_.eps_min = -minus_eps_min;
+  report_.travel = mine.speed * interval / cell_width_;
+  choose_hold(mine.drag_number);
   if (settings_.one_way || !(A || holding_)) return;
   MeanMotion::Largest scale;
-  scale.mass = extremes_.mass, scale.momentum = extremes_.mass * std::max(all[0], extremes_.flux_velocity);
-  scale.drag = all[1], scale.drag_coefficient = all[2];
+  scale.mass = extremes_.mass, scale.momentum = extremes_.mass * std::max(mine.speed, extremes_.flux_velocity);
+  scale.drag = mine.drag, scale.drag_coefficient = mine.drag_coefficient;
   scale.terms = terms_;
   motion().couple(p, inside_, flux_velocity_, eps_node_, scale, A);
   if (A) rebuild_pressure_force(p);
@@ -741,7 +753,7 @@ MeanMotion& Coupling::Impl::motion() {
 }
 
 void Coupling::Impl::close_ledger(double interval) {
-  const Ledger::Balance balance = ledger_.balance(comm_);
+  const Ledger::Balance balance = Ledger::balance(ledger_sums_);
   report_.solid_volume = balance.solid_volume;
   report_.solid_volume_error = balance.volume_error;
   if (interval > 0 && !settings_.one_way) report_.momentum_error = balance.momentum_error;

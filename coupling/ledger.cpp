@@ -2,8 +2,8 @@
 
 namespace twogrid {
 
-Ledger::Balance Ledger::balance(MPI_Comm comm) const {
-  double mine[10], all[10];
+std::array<double, 10> Ledger::own() const {
+  std::array<double, 10> mine;
   for (int d = 0; d < 3; ++d) {
     mine[d] = action[d].value() + reaction[d].value() + wall[d].value();
     mine[3 + d] = wall[d].value();
@@ -13,7 +13,10 @@ Ledger::Balance Ledger::balance(MPI_Comm comm) const {
   mine[7] = particle_volume.value();
   mine[8] = deposited_volume.value() - mine[7];
   mine[9] = inserted_volume.value();
-  MPI_Allreduce(mine, all, 10, MPI_DOUBLE, MPI_SUM, comm);
+  return mine;
+}
+
+Ledger::Balance Ledger::balance(const std::array<double, 10>& all) {
   Balance b;
   const double off = std::sqrt(all[0] * all[0] + all[1] * all[1] + all[2] * all[2]);
   b.momentum_error = all[6] > 0 ? off / all[6] : 0.0;

@@ -2,8 +2,6 @@
 // hide an error.
 #pragma once
 
-#include <mpi.h>
-
 #include <array>
 #include <cmath>
 #include <vector>
@@ -36,7 +34,9 @@ struct Ledger {
   Sum inserted_volume;          ///< sum of V_p of particles that are new since the last coupling (m3)
   Sum deposited_volume;         ///< sum over fine cells of (1 - eps) V (m3)
 
-  /// Relative errors from the sums over all ranks. Collective.
+  /// What has to be summed over ranks for balance().
+  std::array<double, 10> own() const;
+  /// Relative errors from the sums over all ranks.
   struct Balance {
     double momentum_error = 0;   ///< |action + reaction + wall| / magnitude
     double volume_error = 0;     ///< |deposited - particles| / particles
@@ -44,7 +44,7 @@ struct Ledger {
     double inserted_volume = 0;  ///< m3
     Vec3 wall{0, 0, 0};          ///< kg m/s
   };
-  Balance balance(MPI_Comm comm) const;
+  static Balance balance(const std::array<double, 10>& all);
 };
 
 }  // namespace twogrid

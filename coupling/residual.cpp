@@ -5,15 +5,15 @@ namespace twogrid {
 Residual::Residual(MPI_Comm comm, const Fluid& fluid) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
+  std::array<std::vector<Box>, 3> owned, wanted;
   for (int d = 0; d < 3; ++d) {
-    const std::vector<Box> owned = fluid.layout().all_faces(d);
-    std::vector<Box> wanted = owned;
-    for (Box& b : wanted)
+    owned[d] = wanted[d] = fluid.layout().all_faces(d);
+    for (Box& b : wanted[d])
       if (!b.empty()) b = b.grown(1);
-    halo_[d] = BlockExchange(comm, owned, wanted, fluid.grid().n(), fluid.grid().periodic());
-    own_[d] = owned[rank];
-    r_[d].reset(wanted[rank]);
+    own_[d] = owned[d][rank];
+    r_[d].reset(wanted[d][rank]);
   }
+  halo_ = FaceExchange(comm, owned, wanted, fluid.grid().n(), fluid.grid().periodic());
 }
 
 void Residual::update(const Fluid& fluid, const CellField<FineGrid>& eps, const Interphase& exchange,
@@ -44,8 +44,8 @@ void Residual::update(const Fluid& fluid, const CellField<FineGrid>& eps, const 
           r += w * (-balance / e - r);
         }
       }
-    halo_[d].bring<double>(r_[d]);
   }
+  halo_.bring(r_);
 }
 
 }  // namespace twogrid

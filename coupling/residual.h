@@ -33,7 +33,7 @@ class Residual {
   std::array<Box, 3> own_;
   FaceField<FineGrid> r_;
   std::vector<double> source_, beta_;  // scratch: rows of the exchange
-  std::array<BlockExchange, 3> halo_;
+  FaceExchange halo_;
 };
 
 }  // namespace twogrid
