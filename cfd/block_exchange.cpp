@@ -24,27 +24,57 @@ int mpi_count(std::size_t n) {
   return int(mpi_type<T>() == MPI_BYTE ? n * sizeof(T) : n);
 }
 
+/// Rows of a halo are short, down to one value: a call of memcpy would cost more than they do.
 template <class T>
-void pack(const Array3<T>& a, const Box& b, T*& out) {
-  const int n = b.size(0);
-  for (int k = b.lo[2]; k < b.hi[2]; ++k)
-    for (int j = b.lo[1]; j < b.hi[1]; ++j, out += n)
-      std::memcpy(out, &a.data()[a.index(b.lo[0], j, k)], n * sizeof(T));
+inline void copy_row(const T* from, T* to, int n) {
+  switch (n) {
+    case 4:
+      to[3] = from[3];
+      [[fallthrough]];
+    case 3:
+      to[2] = from[2];
+      [[fallthrough]];
+    case 2:
+      to[1] = from[1];
+      [[fallthrough]];
+    case 1:
+      to[0] = from[0];
+      [[fallthrough]];
+    case 0:
+      return;
+    default:
+      std::memcpy(to, from, n * sizeof(T));
+  }
 }
 
 template <class T>
-void unpack_row(T* row, const T* in, int n, bool accumulate) {
+inline void unpack_row(T* row, const T* in, int n, bool accumulate) {
   if (accumulate)
     for (int i = 0; i < n; ++i) row[i] = T(row[i] + in[i]);
   else
-    std::memcpy(row, in, n * sizeof(T));
+    copy_row(in, row, n);
+}
+
+template <class T>
+void pack(const Array3<T>& a, const Box& b, T*& out) {
+  const int n = b.size(0);
+  const std::ptrdiff_t row = a.stride(1), slab = a.stride(2);
+  const T* from_slab = a.data() + a.index(b.lo[0], b.lo[1], b.lo[2]);
+  for (int k = b.lo[2]; k < b.hi[2]; ++k, from_slab += slab) {
+    const T* from = from_slab;
+    for (int j = b.lo[1]; j < b.hi[1]; ++j, out += n, from += row) copy_row(from, out, n);
+  }
 }
 
 template <class T>
 void unpack(Array3<T>& a, const Box& b, const T*& in, bool accumulate) {
   const int n = b.size(0);
-  for (int k = b.lo[2]; k < b.hi[2]; ++k)
-    for (int j = b.lo[1]; j < b.hi[1]; ++j, in += n) unpack_row(&a.data()[a.index(b.lo[0], j, k)], in, n, accumulate);
+  const std::ptrdiff_t row = a.stride(1), slab = a.stride(2);
+  T* to_slab = a.data() + a.index(b.lo[0], b.lo[1], b.lo[2]);
+  for (int k = b.lo[2]; k < b.hi[2]; ++k, to_slab += slab) {
+    T* to = to_slab;
+    for (int j = b.lo[1]; j < b.hi[1]; ++j, in += n, to += row) unpack_row(to, in, n, accumulate);
+  }
 }
 
 /// The same without a buffer between; the boxes are of one size and don't overlap in one array.
