@@ -32,6 +32,7 @@
 #include <stdexcept>
 
 #include "cfd/compiled.h"
+#include "coupling/fluid_layout.h"
 #include "pair_switch.h"
 #include "petsc_session.h"
 #include "scene_facts.h"
@@ -278,7 +279,9 @@ void FixTwogrid::build() {
   if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
   accuracy_ = Accuracy(s.accuracy, s.every, script_.every_auto, s.fluid.cfl, !s.cfl_given && s.fluid.dt == 0);
 
-  fluid_ = std::make_unique<FluidSolver>(world, grid, fluid_layout(grid), s.fluid);
+  const Layout layout = fluid_layout(grid);
+  for (int d = 0; d < 3; ++d) facts.fluid_bricks[d] = int(layout.cuts()[d].size()) - 1;
+  fluid_ = std::make_unique<FluidSolver>(world, grid, layout, s.fluid);
   Vec3 lo, hi;
   for (int d = 0; d < 3; ++d) lo[d] = domain->sublo[d], hi[d] = domain->subhi[d];
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, lo, hi, reach());
@@ -288,20 +291,33 @@ void FixTwogrid::build() {
     warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }
 
-/// The fluid's bricks lie where LIGGGHTS' are, to the particle cell.
+/// The fluid's bricks: where LIGGGHTS' are, to the particle cell, or its own (fluid_layout.h).
 Layout FixTwogrid::fluid_layout(const FineGrid& grid) const {
+  const Int3& ratio = script_.settings.ratio;
+  if (const auto given = fluid_bricks_option(comm->nprocs)) return equal_bricks(grid, ratio, *given);
   const double* split[3] = {comm->xsplit, comm->ysplit, comm->zsplit};
+  std::array<std::vector<double>, 3> borders;
   std::array<std::vector<int>, 3> cuts;
   for (int d = 0; d < 3; ++d) {
-    std::vector<double> borders;
-    for (int i = 1; i < comm->procgrid[d]; ++i) borders.push_back(domain->boxlo[d] + split[d][i] * domain->prd[d]);
-    cuts[d] = cuts_near(grid.axis[d], comm->procgrid[d], script_.settings.ratio[d], borders);
+    for (int i = 0; i <= comm->procgrid[d]; ++i) borders[d].push_back(domain->boxlo[d] + split[d][i] * domain->prd[d]);
+    const std::vector<double> inner(borders[d].begin() + 1, borders[d].end() - 1);
+    cuts[d] = cuts_near(grid.axis[d], comm->procgrid[d], ratio[d], inner);
   }
+  const ParticleGrid nodes(grid, ratio);
   std::vector<Int3> brick_of_rank(comm->nprocs);
+  std::vector<Box> window(comm->nprocs);
   for (int i = 0; i < comm->procgrid[0]; ++i)
     for (int j = 0; j < comm->procgrid[1]; ++j)
-      for (int k = 0; k < comm->procgrid[2]; ++k) brick_of_rank[comm->grid2proc[i][j][k]] = {i, j, k};
-  return Layout(grid, cuts, brick_of_rank);
+      for (int k = 0; k < comm->procgrid[2]; ++k) {
+        const int rank = comm->grid2proc[i][j][k];
+        const Int3 brick = brick_of_rank[rank] = {i, j, k};
+        for (int d = 0; d < 3; ++d) {
+          const Axis& a = nodes.axis[d];
+          window[rank].lo[d] = std::max(a.find(borders[d][brick[d]]) - 1, 0);
+          window[rank].hi[d] = std::min(a.find(borders[d][brick[d] + 1]) + 2, a.n());
+        }
+      }
+  return choose_fluid_layout(grid, ratio, Layout(grid, cuts, brick_of_rank), window);
 }
 
 /// How far outside its rank's box a particle may lie (m): LIGGGHTS exchanges particles when one has moved half a skin.

@@ -44,6 +44,17 @@ void start_petsc(const std::vector<std::string>& words) {
   MPI_Comm_set_attr(MPI_COMM_SELF, key, nullptr);
 }
 
+std::optional<std::array<int, 3>> fluid_bricks_option(int ranks) {
+  PetscInt p[3] = {0, 0, 0}, n = 3;
+  PetscBool given = PETSC_FALSE;
+  PetscOptionsGetIntArray(nullptr, "fluid_", "-bricks", p, &n, &given);
+  if (!given) return std::nullopt;
+  if (n != 3 || p[0] < 1 || p[1] < 1 || p[2] < 1 || p[0] * p[1] * p[2] != ranks)
+    throw std::invalid_argument("-fluid_bricks: wanted three numbers of bricks, such as 1,1," + std::to_string(ranks) +
+                                ", whose product is the number of ranks, " + std::to_string(ranks));
+  return std::array<int, 3>{int(p[0]), int(p[1]), int(p[2])};
+}
+
 std::string petsc_version() {
   return std::to_string(PETSC_VERSION_MAJOR) + "." + std::to_string(PETSC_VERSION_MINOR) + "." +
          std::to_string(PETSC_VERSION_SUBMINOR);

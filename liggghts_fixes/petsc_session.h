@@ -1,6 +1,8 @@
 // PETSc inside a program that LIGGGHTS may end at any moment by MPI_Finalize and exit.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,8 @@ namespace twogrid {
 /// standard error at their origin and a return code; its signal handler is taken out. Collective. Throws
 /// std::runtime_error.
 void start_petsc(const std::vector<std::string>& words);
+/// -fluid_bricks PX,PY,PZ: bricks of the fluid's cells, for `ranks` ranks; empty: not given. Throws std::invalid_argument.
+std::optional<std::array<int, 3>> fluid_bricks_option(int ranks);
 /// "3.18.1"
 std::string petsc_version();
 

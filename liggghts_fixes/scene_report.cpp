@@ -295,13 +295,14 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
                                    " fluid steps with cfl " + text(s.fluid.cfl) + ")");
   const double cells = double(s.fine[0]) * s.fine[1] * s.fine[2];
   if (facts.particles > 0) {
-    // 0.5 us a particle and DEM step, 5 us a cell and fluid step: one core, order of magnitude only
-    const double dem = 0.5e-6 * double(facts.particles) * s.every;
-    const double fluid = 5e-6 * cells * std::max(1.0, std::ceil(n.cfl / s.fluid.cfl));
+    // 0.1 us a particle and DEM step, 0.4 us a cell and fluid step: one core, order of magnitude only
+    const double dem = 0.1e-6 * double(facts.particles) * s.every;
+    const double fluid = 0.4e-6 * cells * std::max(1.0, std::ceil(n.cfl / s.fluid.cfl));
     line("expected cost", "DEM about " + std::to_string(int(100 * dem / (dem + fluid))) + " %, fluid about " +
                               std::to_string(100 - int(100 * dem / (dem + fluid))) + " %");
   }
-  line("ranks", std::to_string(facts.ranks) + " as " + three(facts.bricks));
+  line("ranks", std::to_string(facts.ranks) + " as " + three(facts.bricks) +
+                    (facts.fluid_bricks == facts.bricks ? "" : ", the fluid as " + three(facts.fluid_bricks)));
   if (s.output.every > 0) line("output", s.output.file + " every " + std::to_string(s.output.every) + " steps");
   for (const std::string& w : scene_warnings(s, grid, facts, n)) out << "  WARNING: " << w << "\n";
   return out.str();

@@ -32,7 +32,7 @@ struct SceneFacts {
   std::vector<WallFacts> walls;
   bool still = false;  ///< no fix moves particles
   int ranks = 1;
-  Int3 bricks{1, 1, 1};
+  Int3 bricks{1, 1, 1}, fluid_bricks{1, 1, 1};
 };
 
 /// Numbers of the scene; 0 where they can't be known yet.
