@@ -98,6 +98,7 @@ class Coupling::Impl {
   void start(Particles& p, double dem_dt);
   void advance(Particles& p, int steps, double dem_dt, bool check);
   void force(Particles& p, double dem_dt, bool accumulate);
+  void move_region(const ParticleRegion& region);
   void repeat_force() { ++repeated_; }
 
   Report report_;
@@ -229,6 +230,14 @@ void Coupling::Impl::find_inside() {
     surely_lo_[d] = std::max(inside_lo_[d], reader_.window().span(d).x_lo);
     surely_hi_[d] = std::min(inside_hi_[d], reader_.window().span(d).x_hi);
   }
+}
+
+void Coupling::Impl::move_region(const ParticleRegion& region) {
+  region_ = region;
+  volume_deposit_.move_region(region);
+  reader_.move_region(region);
+  if (motion_) motion_->move_region(region);
+  find_inside();
 }
 
 void Coupling::Impl::start(Particles& p, double dem_dt) {
@@ -780,6 +789,9 @@ Coupling::~Coupling() = default;
 
 void Coupling::start(Particles& p, double dem_dt) {
   impl_->start(p, dem_dt);
+}
+void Coupling::move_region(const Vec3& sub_lo, const Vec3& sub_hi, double reach) {
+  impl_->move_region(ParticleRegion{sub_lo, sub_hi, reach});
 }
 void Coupling::advance(Particles& p, int steps, double dem_dt, bool check) {
   impl_->advance(p, steps, dem_dt, check);

@@ -69,6 +69,8 @@ class Coupling {
   /// At the beginning of every run. The first: deposits, initialises eps^n and eps^{n-1}, and reads; the fluid does not
   /// advance. Later ones: looks for particles that were deleted since. Collective.
   void start(Particles& p, double dem_dt);
+  /// The rank's brick of the particle decomposition has become another; between couplings. Collective.
+  void move_region(const Vec3& sub_lo, const Vec3& sub_hi, double reach);
   /// Steps 1-5 above for an interval of `steps` DEM steps of dem_dt seconds. Collective.
   /// check: also measures step_error and coupling_error; the result is the same.
   void advance(Particles& p, int steps, double dem_dt, bool check = false);

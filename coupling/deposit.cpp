@@ -31,10 +31,18 @@ VolumeDeposit::VolumeDeposit(MPI_Comm comm, const ParticleGrid& grid, const Layo
       kind_(kind),
       cube_edge_(cube_edge),
       node_volume_(grid.largest_volume()) {
-  if (kind_ != Deposit::kExact) {
-    window_ = Window(comm_, grid_, nodes_, region_, spread_of(kind_), kind_ == Deposit::kCube ? cube_edge_ : 0.0);
-    sum_.reset(window_.box());
-  }
+  if (kind_ != Deposit::kExact) make_window();  // else the radius isn't known yet
+}
+
+void VolumeDeposit::make_window() {
+  const double width = kind_ == Deposit::kExact ? 2 * radius_ : kind_ == Deposit::kCube ? cube_edge_ : 0.0;
+  window_ = Window(comm_, grid_, nodes_, region_, spread_of(kind_), width);
+  sum_.reset(window_.box());
+}
+
+void VolumeDeposit::move_region(const ParticleRegion& region) {
+  region_ = region;
+  if (kind_ != Deposit::kExact || radius_ > 0) make_window();
 }
 
 void VolumeDeposit::prepare(double largest_radius) {
@@ -42,8 +50,7 @@ void VolumeDeposit::prepare(double largest_radius) {
   scale_ = FixedPoint(sphere, sphere > 0 ? 15 * std::max(node_volume_ / sphere, 1.0) : 1.0);
   if (kind_ != Deposit::kExact || (largest_radius <= radius_ && radius_ > 0)) return;
   radius_ = largest_radius;
-  window_ = Window(comm_, grid_, nodes_, region_, Spread::kCell, 2 * radius_);
-  sum_.reset(window_.box());
+  make_window();
 }
 
 namespace {

@@ -33,6 +33,8 @@ class VolumeDeposit {
   VolumeDeposit(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region,
                 Deposit kind, double cube_edge);
 
+  /// Particles are elsewhere now. Collective.
+  void move_region(const ParticleRegion& region);
   /// Makes room for spheres of this radius; `largest_radius` is the same on all ranks. Collective if it has grown.
   void prepare(double largest_radius);
   /// Volume of the particles listed in `who`, in units of scale(), on the rank's own nodes (volume covers them).
@@ -43,6 +45,7 @@ class VolumeDeposit {
   const FixedPoint& scale() const { return scale_; }
 
  private:
+  void make_window();
   void intersect_sphere(const double x[3], double radius, long long total);
 
   MPI_Comm comm_;

@@ -23,18 +23,24 @@ MeanMotion::MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& no
                        Spread spread, const std::array<bool, 3>& free_flux)
     : comm_(comm),
       grid_(grid),
+      nodes_(nodes),
       own_(nodes.cells(rank_of(comm))),
-      window_(comm, grid, nodes, region, spread, 0.0),
+      spread_(spread),
       free_flux_(free_flux),
       domain_volume_(grid.axis[0].length() * grid.axis[1].length() * grid.axis[2].length()) {
-  for (auto& a : window_sum_) a.reset(window_.box());
   for (auto& a : node_sum_) a.reset(own_);
   for (auto& a : shown_) a.reset(own_);
-  for (auto& a : window_shown_) a.reset(window_.box());
   eps_.reset(own_, 1.0);
   beta_.reset(own_);
   for (auto& a : v_flux_) a.reset(own_);
   for (auto& a : v_n_) a.reset(own_);
+  move_region(region);
+}
+
+void MeanMotion::move_region(const ParticleRegion& region) {
+  window_ = Window(comm_, grid_, nodes_, region, spread_, 0.0);
+  for (auto& a : window_sum_) a.reset(window_.box());
+  for (auto& a : window_shown_) a.reset(window_.box());
 }
 
 void MeanMotion::collect(int n) {

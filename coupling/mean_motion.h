@@ -33,6 +33,9 @@ class MeanMotion {
   MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region, Spread spread,
              const std::array<bool, 3>& free_flux);
 
+  /// Particles are elsewhere now; what they read comes with the next update(). Collective.
+  void move_region(const ParticleRegion& region);
+
   /// Largest values of this coupling, over all ranks; `terms` bounds how many particles a node's sum can hold.
   struct Largest {
     double mass = 0, momentum = 0, drag_coefficient = 0, drag = 0, terms = 1;
@@ -64,7 +67,9 @@ class MeanMotion {
 
   MPI_Comm comm_;
   ParticleGrid grid_;
+  Layout nodes_;
   Box own_;
+  Spread spread_;
   Window window_;
   Stencil stencil_;
   std::array<bool, 3> free_flux_;

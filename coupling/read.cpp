@@ -24,13 +24,18 @@ Spread spread_of(Read read) {
 
 Reader::Reader(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid, const ParticleRegion& region, Read read,
                double width)
-    : map_(comm, fluid, grid),
-      window_(comm, grid, map_.layout(), region, spread_of(read), width),
-      shape_(window_.shape()),
-      sum_(window_.box().count()) {
-  for (auto& a : window_sum_) a.reset(window_.box());
+    : comm_(comm), read_(read), width_(width), map_(comm, fluid, grid) {
   for (auto& a : node_sum_) a.reset(map_.own());
   for (auto& a : node_reaction_) a.reset(map_.own());
+  move_region(region);
+}
+
+void Reader::move_region(const ParticleRegion& region) {
+  window_ = Window(comm_, map_.grid(), map_.layout(), region, spread_of(read_), width_);
+  shape_ = window_.shape();
+  sum_.resize(window_.box().count());
+  for (auto& a : window_sum_) a.reset(window_.box());
+  window_field_.clear();
 }
 
 namespace {

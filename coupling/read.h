@@ -51,6 +51,8 @@ class Reader {
   const Window& window() const { return window_; }
   const Map& map() const { return map_; }
 
+  /// Particles are elsewhere now; what was loaded is forgotten. Collective.
+  void move_region(const ParticleRegion& region);
   /// Where the particles in `who` read.
   void find(const Particles& p, const std::vector<int>& who, Places& places) const;
   /// f(q, place) for every particle who[q]; the place is a node, corners or a stencil, for at() and react().
@@ -96,6 +98,9 @@ class Reader {
  private:
   static constexpr int kReactions = 4, kMaxGroups = 3;
 
+  MPI_Comm comm_;
+  Read read_;
+  double width_;
   Map map_;
   Window window_;
   WindowShape shape_;

@@ -106,7 +106,7 @@ FixTwogrid::~FixTwogrid() {
 }
 
 int FixTwogrid::setmask() {
-  return FixConst::PRE_FORCE | FixConst::POST_FORCE | FixConst::END_OF_STEP;
+  return FixConst::PRE_EXCHANGE | FixConst::PRE_FORCE | FixConst::POST_FORCE | FixConst::END_OF_STEP;
 }
 
 void FixTwogrid::refuse_what_cannot_be_served() const {
@@ -285,6 +285,7 @@ void FixTwogrid::build() {
   Vec3 lo, hi;
   for (int d = 0; d < 3; ++d) lo[d] = domain->sublo[d], hi[d] = domain->subhi[d];
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, lo, hi, reach());
+  if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();
   say(scene_report(s, script_.side_given, script_.every_auto, grid, facts));
   if (state_->recent_restart)
@@ -370,6 +371,19 @@ Particles FixTwogrid::particles() {
   for (int d = 0; d < 3; ++d)
     if (domain->periodicity[d]) p.period[d] = domain->prd[d];
   return p;
+}
+
+void FixTwogrid::pre_exchange() {
+  if (!balance_ || !balance_->move_borders()) return;
+  guarded([&] {
+    Vec3 lo, hi;
+    for (int d = 0; d < 3; ++d) lo[d] = domain->sublo[d], hi[d] = domain->subhi[d];
+    coupling_->move_region(lo, hi, reach());
+  });
+  if (!balance_said_)
+    say("twogrid: the ranks' parts of the box follow the particles: the fullest had " + text(balance_->fullest()) +
+        " times the mean (-balance off keeps them)\n");
+  balance_said_ = true;
 }
 
 void FixTwogrid::setup(int) {

@@ -1,6 +1,7 @@
 // fix ID group twogrid: hands LIGGGHTS' particles to the coupling and tells it when to act. No physics here.
 //
 //   run begins   setup          first time: deposit and read; every time: forces of the fluid on the particles
+//   each rebuild pre_exchange   borders between ranks follow the particles (balance.h)
 //   each step    pre_force      at steps that are multiples of `every` (of the absolute step number, so that run
 //                               boundaries don't shift the phase): the fluid advances over the steps done since the
 //                               last coupling
@@ -25,6 +26,7 @@
 #include "coupling/accuracy.h"
 #include "coupling/coupling.h"
 #include "coupling/output/output.h"
+#include "balance.h"
 #include "progress.h"
 #include "script_parser.h"
 
@@ -46,6 +48,8 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void pre_delete(bool unfix) override;
   int modify_param(int narg, char** arg) override;
   void init() override;
+  void setup_pre_exchange() override { pre_exchange(); }
+  void pre_exchange() override;
   void setup(int) override;
   void pre_force(int) override;
   void post_force(int) override;
@@ -87,6 +91,8 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<Output> output_;  // null: none wanted
   Accuracy accuracy_;
+  std::unique_ptr<Balance> balance_;  // null: not wanted
+  bool balance_said_ = false;
 
   bool started_ = false;          // the coupling has deposited once
   int steps_since_coupling_ = 0;  // DEM steps that the particles have run since the last coupling

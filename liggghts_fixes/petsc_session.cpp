@@ -55,6 +55,13 @@ std::optional<std::array<int, 3>> fluid_bricks_option(int ranks) {
   return std::array<int, 3>{int(p[0]), int(p[1]), int(p[2])};
 }
 
+bool balance_option() {
+  PetscBool on = PETSC_TRUE;
+  if (PetscOptionsGetBool(nullptr, nullptr, "-balance", &on, nullptr))
+    throw std::invalid_argument("-balance: wanted on or off after it");
+  return on == PETSC_TRUE;
+}
+
 std::string petsc_version() {
   return std::to_string(PETSC_VERSION_MAJOR) + "." + std::to_string(PETSC_VERSION_MINOR) + "." +
          std::to_string(PETSC_VERSION_SUBMINOR);

@@ -91,6 +91,7 @@ def measure(executable, library, ranks, method, steps, symbols):
                    executable, "-in", os.path.join(HERE, "in.traffic")]
         for name, value in dict(px=p[0], py=p[1], pz=p[2], r=ratio, steps=steps, deposit=deposit, prolong=prolong, read=read).items():
             command += ["-var", name, str(value)]
+        command += ["-fluid_bricks", ",".join(map(str, p))]  # where the particles are, whatever costs least
         done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode:
             sys.exit(done.stdout[-3000:])
