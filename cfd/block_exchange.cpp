@@ -56,10 +56,10 @@ inline void unpack_row(T* row, const T* in, int n, bool accumulate) {
 }
 
 template <class T>
-void pack(const Array3<T>& a, const Box& b, T*& out) {
+void pack(const Array3<T>* a, const Box& b, T*& out) {
   const int n = b.size(0);
-  const std::ptrdiff_t row = a.stride(1), slab = a.stride(2);
-  const T* from_slab = a.data() + a.index(b.lo[0], b.lo[1], b.lo[2]);
+  const std::ptrdiff_t row = a->stride(1), slab = a->stride(2);
+  const T* from_slab = a->data() + a->index(b.lo[0], b.lo[1], b.lo[2]);
   for (int k = b.lo[2]; k < b.hi[2]; ++k, from_slab += slab) {
     const T* from = from_slab;
     for (int j = b.lo[1]; j < b.hi[1]; ++j, out += n, from += row) copy_row(from, out, n);
@@ -67,23 +67,72 @@ void pack(const Array3<T>& a, const Box& b, T*& out) {
 }
 
 template <class T>
-void unpack(Array3<T>& a, const Box& b, const T*& in, bool accumulate) {
+void unpack(Array3<T>* a, const Box& b, const T*& in, bool accumulate) {
   const int n = b.size(0);
-  const std::ptrdiff_t row = a.stride(1), slab = a.stride(2);
-  T* to_slab = a.data() + a.index(b.lo[0], b.lo[1], b.lo[2]);
+  const std::ptrdiff_t row = a->stride(1), slab = a->stride(2);
+  T* to_slab = a->data() + a->index(b.lo[0], b.lo[1], b.lo[2]);
   for (int k = b.lo[2]; k < b.hi[2]; ++k, to_slab += slab) {
     T* to = to_slab;
     for (int j = b.lo[1]; j < b.hi[1]; ++j, in += n, to += row) unpack_row(to, in, n, accumulate);
   }
 }
 
-/// The same without a buffer between; the boxes are of one size and don't overlap in one array.
 template <class T>
-void carry_over(const Array3<T>& from, const Box& b, Array3<T>& to, const Box& at, bool accumulate) {
+void pack(const Slot<T>& a, const Box& b, T*& out) {
+  const int n = b.size(0);
+  for (int k = b.lo[2]; k < b.hi[2]; ++k)
+    for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+      const T* from = a.data + a.stride * a.index(b.lo[0], j, k);
+      for (int i = 0; i < n; ++i, from += a.stride) *out++ = *from;
+    }
+}
+
+template <class T>
+void unpack(const Slot<T>& a, const Box& b, const T*& in, bool) {
+  const int n = b.size(0);
+  for (int k = b.lo[2]; k < b.hi[2]; ++k)
+    for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+      T* to = a.data + a.stride * a.index(b.lo[0], j, k);
+      for (int i = 0; i < n; ++i, to += a.stride) *to = *in++;
+    }
+}
+
+template <class T>
+T* row_of(const Slot<T>& a, int i, int j, int k) {
+  return a.data + a.stride * a.index(i, j, k);
+}
+template <class T>
+T* row_of(Array3<T>* a, int i, int j, int k) {
+  return a->data() + a->index(i, j, k);
+}
+template <class T>
+const T* row_of(const Array3<T>* a, int i, int j, int k) {
+  return a->data() + a->index(i, j, k);
+}
+template <class T>
+int stride_of(const Slot<T>& a) {
+  return a.stride;
+}
+template <class T>
+int stride_of(const Array3<T>*) {
+  return 1;
+}
+
+/// The same without a buffer between; the boxes are of one size and don't overlap in one array.
+template <class Source, class Target>
+void carry_over(const Source& from, const Box& b, const Target& to, const Box& at, bool accumulate) {
+  const int n = b.size(0), in = stride_of(from), out = stride_of(to);
   for (int k = 0; k < b.size(2); ++k)
-    for (int j = 0; j < b.size(1); ++j)
-      unpack_row(&to.data()[to.index(at.lo[0], at.lo[1] + j, at.lo[2] + k)],
-                 &from.data()[from.index(b.lo[0], b.lo[1] + j, b.lo[2] + k)], b.size(0), accumulate);
+    for (int j = 0; j < b.size(1); ++j) {
+      auto* const target = row_of(to, at.lo[0], at.lo[1] + j, at.lo[2] + k);
+      const auto* const source = row_of(from, b.lo[0], b.lo[1] + j, b.lo[2] + k);
+      if (in == 1 && out == 1)
+        unpack_row(target, source, n, accumulate);
+      else if (accumulate)
+        for (int i = 0; i < n; ++i) target[out * i] += source[in * i];
+      else
+        for (int i = 0; i < n; ++i) target[out * i] = source[in * i];
+    }
 }
 
 /// Room for the values of all fields, one peer after the other.
@@ -139,10 +188,10 @@ BlockExchange::BlockExchange(MPI_Comm comm, const std::vector<Box>& owned, const
   }
 }
 
-template <class T>
+template <class T, class Source, class Target>
 void BlockExchange::transfer(const std::vector<Peer>& from, const std::vector<Peer>& to,
-                             const std::vector<const Array3<T>*>& source, const std::vector<Array3<T>*>& target,
-                             bool to_window, bool accumulate, bool in_place) const {
+                             const std::vector<Source>& source, const std::vector<Target>& target, bool to_window,
+                             bool accumulate, bool in_place) const {
   // `to` peers get what they want out of `source`; `from` peers' values arrive in `target`. Peers are in rank order,
   // so that sums don't depend on the order of arrival.
   const std::size_t fields = source.size();
@@ -156,8 +205,8 @@ void BlockExchange::transfer(const std::vector<Peer>& from, const std::vector<Pe
   T* out = make_room<T>(to, fields, out_);
   for (std::size_t p = 0; p < to.size(); ++p) {
     T* const first = out;
-    for (const auto* a : source)
-      for (const Piece& q : to[p].pieces) pack(*a, to_window ? q.owner : window_box(q), out);
+    for (const Source& a : source)
+      for (const Piece& q : to[p].pieces) pack(a, to_window ? q.owner : window_box(q), out);
     MPI_Isend(first, mpi_count<T>(to[p].count * fields), mpi_type<T>(), to[p].rank, tag, comm_,
               &request_[from.size() + p]);
   }
@@ -166,7 +215,7 @@ void BlockExchange::transfer(const std::vector<Peer>& from, const std::vector<Pe
       for (const Piece& q : self_) {
         if (in_place && q.shift == Int3{0, 0, 0}) continue;
         const Box window = window_box(q);
-        carry_over(*source[a], to_window ? q.owner : window, *target[a], to_window ? window : q.owner, accumulate);
+        carry_over(source[a], to_window ? q.owner : window, target[a], to_window ? window : q.owner, accumulate);
       }
   };
   const T* arrived = in;
@@ -174,8 +223,8 @@ void BlockExchange::transfer(const std::vector<Peer>& from, const std::vector<Pe
   for (std::size_t p = 0; p < from.size(); ++p) {
     if (!own_done && from[p].rank > rank_) own_pieces(), own_done = true;
     MPI_Wait(&request_[p], MPI_STATUS_IGNORE);
-    for (auto* a : target)
-      for (const Piece& q : from[p].pieces) unpack(*a, to_window ? window_box(q) : q.owner, arrived, accumulate);
+    for (const Target& a : target)
+      for (const Piece& q : from[p].pieces) unpack(a, to_window ? window_box(q) : q.owner, arrived, accumulate);
   }
   if (!own_done) own_pieces();
   MPI_Waitall(int(to.size()), request_.data() + from.size(), MPI_STATUSES_IGNORE);
@@ -187,7 +236,17 @@ void BlockExchange::bring(const std::vector<const Array3<T>*>& owner, const std:
 }
 
 template <class T>
+void BlockExchange::bring(const std::vector<const Array3<T>*>& owner, const std::vector<Slot<T>>& window) const {
+  transfer<T>(receive_, send_, owner, window, true, false, false);
+}
+
+template <class T>
 void BlockExchange::add(const std::vector<const Array3<T>*>& window, const std::vector<Array3<T>*>& owner) const {
+  transfer<T>(send_, receive_, window, owner, false, true, false);
+}
+
+template <class T>
+void BlockExchange::add(const std::vector<Slot<T>>& window, const std::vector<Array3<T>*>& owner) const {
   transfer<T>(send_, receive_, window, owner, false, true, false);
 }
 
@@ -205,6 +264,10 @@ TWOGRID_INSTANTIATE(double)
 TWOGRID_INSTANTIATE(long long)
 TWOGRID_INSTANTIATE(unsigned char)
 #undef TWOGRID_INSTANTIATE
+template void BlockExchange::bring<double>(const std::vector<const Array3<double>*>&,
+                                           const std::vector<Slot<double>>&) const;
+template void BlockExchange::add<long long>(const std::vector<Slot<long long>>&,
+                                            const std::vector<Array3<long long>*>&) const;
 
 FaceExchange::FaceExchange(MPI_Comm comm, const std::array<std::vector<Box>, 3>& owned,
                            const std::array<std::vector<Box>, 3>& wanted, const Int3& period,
@@ -246,20 +309,20 @@ void FaceExchange::bring(const std::array<Array3<double>*, 3>& field) const {
     for (int d = 0; d < 3; ++d) {
       if (send_[p].peer[d] < 0) continue;
       const Peer& peer = part_[d].send_[send_[p].peer[d]];
-      for (const Piece& q : peer.pieces) pack(*field[d], q.owner, out);
+      for (const Piece& q : peer.pieces) pack<double>(field[d], q.owner, out);
     }
     MPI_Isend(first, int(send_[p].count), MPI_DOUBLE, send_[p].rank, tag, comm_, &request_[receive_.size() + p]);
   }
   for (int d = 0; d < 3; ++d)
     for (const Piece& q : part_[d].self_)
-      if (!(q.shift == Int3{0, 0, 0})) carry_over(*field[d], q.owner, *field[d], window_box(q), false);
+      if (!(q.shift == Int3{0, 0, 0})) carry_over(field[d], q.owner, field[d], window_box(q), false);
   const double* arrived = in;
   for (std::size_t p = 0; p < receive_.size(); ++p) {
     MPI_Wait(&request_[p], MPI_STATUS_IGNORE);
     for (int d = 0; d < 3; ++d) {
       if (receive_[p].peer[d] < 0) continue;
       const Peer& peer = part_[d].receive_[receive_[p].peer[d]];
-      for (const Piece& q : peer.pieces) unpack(*field[d], window_box(q), arrived, false);
+      for (const Piece& q : peer.pieces) unpack<double>(field[d], window_box(q), arrived, false);
     }
   }
   MPI_Waitall(int(send_.size()), request_.data() + receive_.size(), MPI_STATUSES_IGNORE);

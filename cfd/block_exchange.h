@@ -12,6 +12,17 @@
 
 namespace twogrid {
 
+/// One of several values that lie together for every cell of a box: value of cell m at data[stride * m].
+template <class T>
+struct Slot {
+  Box box;
+  T* data;
+  int stride;
+  std::ptrdiff_t index(int i, int j, int k) const {
+    return (i - box.lo[0]) + std::ptrdiff_t(box.size(0)) * ((j - box.lo[1]) + std::ptrdiff_t(box.size(1)) * (k - box.lo[2]));
+  }
+};
+
 class BlockExchange {
  public:
   BlockExchange() = default;
@@ -25,9 +36,13 @@ class BlockExchange {
   /// window <- owners' values. The arrays must cover the rank's owned and wanted box. Collective.
   template <class T>
   void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Array3<T>*>& window) const;
+  template <class T>
+  void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Slot<T>>& window) const;
   /// owners' values += windows' values, own window included, in rank order. Exact for integers. Collective.
   template <class T>
   void add(const std::vector<const Array3<T>*>& window, const std::vector<Array3<T>*>& owner) const;
+  template <class T>
+  void add(const std::vector<Slot<T>>& window, const std::vector<Array3<T>*>& owner) const;
   /// Halo of arrays that hold both own values and halo. Collective.
   template <class T>
   void bring(const std::vector<Array3<T>*>& field) const;
@@ -46,9 +61,9 @@ class BlockExchange {
     std::vector<Piece> pieces;
     std::size_t count;
   };
-  template <class T>
-  void transfer(const std::vector<Peer>& from, const std::vector<Peer>& to, const std::vector<const Array3<T>*>& source,
-                const std::vector<Array3<T>*>& target, bool to_window, bool accumulate, bool in_place) const;
+  template <class T, class Source, class Target>
+  void transfer(const std::vector<Peer>& from, const std::vector<Peer>& to, const std::vector<Source>& source,
+                const std::vector<Target>& target, bool to_window, bool accumulate, bool in_place) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;

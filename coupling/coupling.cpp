@@ -445,8 +445,9 @@ void Coupling::Impl::deposit(const Particles& p) {
     return;
   }
   volume_deposit_.prepare(extremes_.radius);
-  const bool same_corners = settings_.deposit == Deposit::kTrilinear && settings_.read == Read::kTrilinear;
-  volume_deposit_(p, inside_, solid_, same_corners ? &places_.corners : nullptr);
+  const bool same_places = (settings_.deposit == Deposit::kTrilinear && settings_.read == Read::kTrilinear) ||
+                           (settings_.deposit == Deposit::kCentroid && settings_.read == Read::kCell);
+  volume_deposit_(p, inside_, solid_, same_places ? &places_ : nullptr);
   const FixedPoint& scale = volume_deposit_.scale();
   const SolidLimit::Result limited = limit_(scale, solid_);
   report_.volume_moved = limited.displaced;

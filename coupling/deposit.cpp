@@ -69,21 +69,24 @@ TWOGRID_VECTORISED void add_at_corners(const Particles& p, const std::vector<int
 }
 
 TWOGRID_VECTORISED void add_at_centres(const Particles& p, const std::vector<int>& who, const Window& window,
-                                       const FixedPoint& scale, long long* sum) {
-  for (int i : who) sum[window.node(p.x[i])] += scale.quantise(sphere_volume(p.radius[i]));
+                                       const std::ptrdiff_t* known, const FixedPoint& scale, long long* sum) {
+  for (std::size_t q = 0; q < who.size(); ++q) {
+    const int i = who[q];
+    sum[known ? known[q] : window.node(p.x[i])] += scale.quantise(sphere_volume(p.radius[i]));
+  }
 }
 
 }  // namespace
 
 void VolumeDeposit::operator()(const Particles& p, const std::vector<int>& who, Array3<long long>& volume,
-                               const std::vector<Corners>* corners) {
+                               const Places* places) {
   sum_.fill(0);
   switch (kind_) {
     case Deposit::kCentroid:
-      add_at_centres(p, who, window_, scale_, sum_.data());
+      add_at_centres(p, who, window_, places ? places->node.data() : nullptr, scale_, sum_.data());
       break;
     case Deposit::kTrilinear:
-      add_at_corners(p, who, window_, corners ? corners->data() : nullptr, scale_, sum_.data());
+      add_at_corners(p, who, window_, places ? places->corners.data() : nullptr, scale_, sum_.data());
       break;
     case Deposit::kExact:
       for (int i : who) intersect_sphere(p.x[i], p.radius[i], scale_.quantise(sphere_volume(p.radius[i])));

@@ -38,9 +38,9 @@ class VolumeDeposit {
   /// Makes room for spheres of this radius; `largest_radius` is the same on all ranks. Collective if it has grown.
   void prepare(double largest_radius);
   /// Volume of the particles listed in `who`, in units of scale(), on the rank's own nodes (volume covers them).
-  /// Collective. corners: those of `who` in a window of linear weights on the same nodes, if they are known.
+  /// Collective. places: nodes or corners of `who` in a window of the same nodes and weights, if they are known.
   void operator()(const Particles& p, const std::vector<int>& who, Array3<long long>& volume,
-                  const std::vector<Corners>* corners = nullptr);
+                  const Places* places = nullptr);
   /// A volume as the integer with which it is deposited.
   const FixedPoint& scale() const { return scale_; }
 

@@ -34,8 +34,6 @@ void Reader::move_region(const ParticleRegion& region) {
   window_ = Window(comm_, map_.grid(), map_.layout(), region, spread_of(read_), width_);
   shape_ = window_.shape();
   sum_.resize(window_.box().count());
-  for (auto& a : window_sum_) a.reset(window_.box());
-  window_field_.clear();
 }
 
 namespace {
@@ -60,12 +58,6 @@ TWOGRID_VECTORISED void find_corners(const Window& window, const Particles& p, c
   }
 }
 
-/// One value of the group of every node.
-void interleave(const Array3<double>& from, int stride, double* to) {
-  const double* const value = from.data();
-  for (std::size_t m = 0, n = from.size(); m < n; ++m) to[m * stride] = value[m];
-}
-
 }  // namespace
 
 void Reader::find(const Particles& p, const std::vector<int>& who, Places& places) const {
@@ -80,24 +72,24 @@ void Reader::find(const Particles& p, const std::vector<int>& who, Places& place
 
 void Reader::load(const Readable& fields, int groups) {
   const FaceField<FineGrid>* const faces[kMaxGroups] = {fields.velocity, fields.mean, fields.pressure};
-  while (int(window_field_.size()) < 4 * groups) window_field_.emplace_back(window_.box());
+  field_.resize(window_.box().count() * groups);
+  double* const first = field_.data()->at;
   std::vector<const Array3<double>*> owner;
-  std::vector<Array3<double>*> window;
-  std::vector<int> value;  // place of the field in the groups
+  std::vector<Slot<double>> window;
+  auto add = [&](const Array3<double>& field, int value) {
+    owner.push_back(&field);
+    window.push_back({window_.box(), first + value, 4 * groups});
+  };
   for (int g = 0; g < groups; ++g) {
     if (!faces[g]) continue;
     if (node_field_[g][0].size() == 0)
       for (auto& a : node_field_[g]) a.reset(map_.own());
     map_.mean(*faces[g], node_field_[g]);
-    for (int d = 0; d < 3; ++d) owner.push_back(&node_field_[g][d]), value.push_back(4 * g + d);
+    for (int d = 0; d < 3; ++d) add(node_field_[g][d], 4 * g + d);
   }
-  if (fields.eps) owner.push_back(fields.eps), value.push_back(3);
-  for (int v : value) window.push_back(&window_field_[v]);
+  if (fields.eps) add(*fields.eps, 3);
+  if (int(owner.size()) < 3 * groups) std::fill(field_.begin(), field_.end(), FourNumbers{});
   window_.bring<double>(owner, window);
-  field_.resize(window_.box().count() * groups);
-  if (int(value.size()) < 3 * groups) std::fill(field_.begin(), field_.end(), FourNumbers{});
-  for (std::size_t a = 0; a < value.size(); ++a)
-    interleave(*window[a], 4 * groups, reinterpret_cast<double*>(field_.data()) + value[a]);
 }
 
 void Reader::clear_reaction() {
@@ -105,12 +97,12 @@ void Reader::clear_reaction() {
 }
 
 void Reader::collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back) {
+  std::vector<Slot<long long>> window;
   for (int c = 0; c < kReactions; ++c) {
     node_sum_[c].fill(0);
-    for (std::size_t m = 0; m < sum_.size(); ++m) window_sum_[c].data()[m] = sum_[m].at[c];
+    window.push_back({window_.box(), sum_.data()->at + c, 4});
   }
-  window_.add({&window_sum_[0], &window_sum_[1], &window_sum_[2], &window_sum_[3]},
-              {&node_sum_[0], &node_sum_[1], &node_sum_[2], &node_sum_[3]});
+  window_.add(window, {&node_sum_[0], &node_sum_[1], &node_sum_[2], &node_sum_[3]});
   for (int c = 0; c < kReactions; ++c) {
     const FixedPoint& unit = scale[c < 3 ? 0 : 1];
     for (std::size_t m = 0; m < node_sum_[c].size(); ++m)

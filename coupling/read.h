@@ -36,12 +36,6 @@ struct Readable {
   const FaceField<FineGrid>* pressure = nullptr;      ///< the residual force of formulation A
 };
 
-/// Where the particles of a coupling read, found once.
-struct Places {
-  std::vector<std::ptrdiff_t> node;  ///< a single node each
-  std::vector<Corners> corners;      ///< or between node centres; else nothing is kept
-};
-
 class Reader {
  public:
   /// grid: the particle grid, or the fine cells as nodes of ratio 1. Collective.
@@ -105,10 +99,9 @@ class Reader {
   Window window_;
   WindowShape shape_;
   std::array<NodeVector<CellField<ParticleGrid>>, kMaxGroups> node_field_;  // own nodes; made when first wanted
-  std::vector<Array3<double>> window_field_;                                // four a group
-  std::vector<FourNumbers> field_;                                          // the same, groups together
+  std::vector<FourNumbers> field_;                                          // on the window, groups together
   std::vector<FourWholeNumbers> sum_;                                       // on the window
-  std::array<Array3<long long>, kReactions> window_sum_, node_sum_;
+  std::array<Array3<long long>, kReactions> node_sum_;                      // own nodes
   std::array<CellField<ParticleGrid>, kReactions> node_reaction_;  // own nodes
 };
 

@@ -4,6 +4,8 @@
 // group. A particle's four whole numbers are split among nodes so that the parts' sum is exactly they.
 #pragma once
 
+#include <vector>
+
 #include "../cfd/box.h"
 #include "../cfd/vectorised.h"
 #include "fixed_point.h"
@@ -23,6 +25,12 @@ struct Stencil {
 struct Corners {
   double w[3];        ///< weight of the upper node; the lower one has the rest
   std::ptrdiff_t at;  ///< place of the lowest of the eight in a field of the window
+};
+
+/// Where particles read or write, found once a coupling.
+struct Places {
+  std::vector<std::ptrdiff_t> node;  ///< a single node each
+  std::vector<Corners> corners;      ///< or between node centres; else nothing is kept
 };
 
 /// Places in a field of a window: x runs fastest.

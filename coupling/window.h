@@ -145,6 +145,13 @@ class Window {
   void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Array3<T>*>& window) const {
     exchange_.bring<T>(owner, window);
   }
+  template <class T>
+  void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Slot<T>>& window) const {
+    exchange_.bring<T>(owner, window);
+  }
+  void add(const std::vector<Slot<long long>>& window, const std::vector<Array3<long long>*>& owner) const {
+    exchange_.add<long long>(window, owner);
+  }
   /// Owners += windows. Collective.
   void add(const std::vector<const Array3<long long>*>& window, const std::vector<Array3<long long>*>& owner) const {
     exchange_.add<long long>(window, owner);
