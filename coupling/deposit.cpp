@@ -55,25 +55,16 @@ void VolumeDeposit::prepare(double largest_radius) {
 
 namespace {
 
-TWOGRID_VECTORISED void add_at_corners(const Particles& p, const std::vector<int>& who, const Window& window,
-                                       const Corners* known, const FixedPoint& scale, long long* sum) {
-  const WindowShape shape = window.shape();
-  for (std::size_t q = 0; q < who.size(); ++q) {
-    const int i = who[q];
-    const double volume = scale.whole(sphere_volume(p.radius[i]));
-    if (known)
-      scatter(known[q], shape, volume, sum);
-    else
-      scatter(window.corners(p.x[i]), shape, volume, sum);
-  }
+TWOGRID_VECTORISED void add_at_corners(const Particles& p, const std::vector<int>& who, const Corners* corners,
+                                       const WindowShape& window, const FixedPoint& scale, long long* sum) {
+  const WindowShape shape = window;
+  for (std::size_t q = 0; q < who.size(); ++q)
+    scatter(corners[q], shape, scale.whole(sphere_volume(p.radius[who[q]])), sum);
 }
 
-TWOGRID_VECTORISED void add_at_centres(const Particles& p, const std::vector<int>& who, const Window& window,
-                                       const std::ptrdiff_t* known, const FixedPoint& scale, long long* sum) {
-  for (std::size_t q = 0; q < who.size(); ++q) {
-    const int i = who[q];
-    sum[known ? known[q] : window.node(p.x[i])] += scale.quantise(sphere_volume(p.radius[i]));
-  }
+TWOGRID_VECTORISED void add_at_centres(const Particles& p, const std::vector<int>& who, const std::ptrdiff_t* node,
+                                       const FixedPoint& scale, long long* sum) {
+  for (std::size_t q = 0; q < who.size(); ++q) sum[node[q]] += scale.quantise(sphere_volume(p.radius[who[q]]));
 }
 
 }  // namespace
@@ -81,12 +72,16 @@ TWOGRID_VECTORISED void add_at_centres(const Particles& p, const std::vector<int
 void VolumeDeposit::operator()(const Particles& p, const std::vector<int>& who, Array3<long long>& volume,
                                const Places* places) {
   sum_.fill(0);
+  if (!places && (kind_ == Deposit::kCentroid || kind_ == Deposit::kTrilinear)) {
+    find_places(window_, p, who, places_);
+    places = &places_;
+  }
   switch (kind_) {
     case Deposit::kCentroid:
-      add_at_centres(p, who, window_, places ? places->node.data() : nullptr, scale_, sum_.data());
+      add_at_centres(p, who, places->node.data(), scale_, sum_.data());
       break;
     case Deposit::kTrilinear:
-      add_at_corners(p, who, window_, places ? places->corners.data() : nullptr, scale_, sum_.data());
+      add_at_corners(p, who, places->corners.data(), window_.shape(), scale_, sum_.data());
       break;
     case Deposit::kExact:
       for (int i : who) intersect_sphere(p.x[i], p.radius[i], scale_.quantise(sphere_volume(p.radius[i])));

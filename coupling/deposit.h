@@ -56,6 +56,7 @@ class VolumeDeposit {
   double cube_edge_, node_volume_, radius_ = 0;
   Window window_;
   Array3<long long> sum_;  // on the window
+  Places places_;          // where they are not known
   FixedPoint scale_;
   std::vector<double> beyond_;  // scratch of the exact intersection: volumes beyond the corners of the nodes cut
 };

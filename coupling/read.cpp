@@ -36,38 +36,8 @@ void Reader::move_region(const ParticleRegion& region) {
   sum_.resize(window_.box().count());
 }
 
-namespace {
-
-TWOGRID_VECTORISED void find_nodes(const Window& window, const Particles& p, const std::vector<int>& who,
-                                   std::ptrdiff_t* node) {
-  for (std::size_t q = 0; q < who.size(); ++q) node[q] = window.node(p.x[who[q]]);
-}
-
-TWOGRID_VECTORISED void find_corners(const Window& window, const Particles& p, const std::vector<int>& who,
-                                     Corners* corners) {
-  const std::size_t n = who.size();
-  if (!window.uniform()) {
-    for (std::size_t q = 0; q < n; ++q) corners[q] = window.corners(p.x[who[q]]);
-    return;
-  }
-  const Window::UniformPairs pairs = window.uniform_pairs();
-  for (std::size_t q = 0; q < n; ++q) {
-    Four x;
-    three_at(p.x[who[q]], who[q] + 1 == p.n, x);
-    Window::corners(pairs, x, corners[q]);
-  }
-}
-
-}  // namespace
-
 void Reader::find(const Particles& p, const std::vector<int>& who, Places& places) const {
-  if (window_.spread() == Spread::kCell) {
-    places.node.resize(who.size());
-    find_nodes(window_, p, who, places.node.data());
-  } else if (window_.spread() == Spread::kLinear) {
-    places.corners.resize(who.size());
-    find_corners(window_, p, who, places.corners.data());
-  }
+  find_places(window_, p, who, places);
 }
 
 void Reader::load(const Readable& fields, int groups) {

@@ -151,4 +151,44 @@ void Window::wide_weights(const double x[3], Stencil& s) const {
   }
 }
 
+namespace {
+
+TWOGRID_VECTORISED void find_nodes(const Window& window, const Particles& p, const std::vector<int>& who,
+                                   std::ptrdiff_t* node) {
+  const std::size_t n = who.size();
+  if (!window.uniform()) {
+    for (std::size_t q = 0; q < n; ++q) node[q] = window.node(p.x[who[q]]);
+    return;
+  }
+  const Window::UniformCells cells = window.uniform_cells();
+  for (std::size_t q = 0; q < n; ++q) node[q] = Window::node(cells, p.x[who[q]]);
+}
+
+TWOGRID_VECTORISED void find_corners(const Window& window, const Particles& p, const std::vector<int>& who,
+                                     Corners* corners) {
+  const std::size_t n = who.size();
+  if (!window.uniform()) {
+    for (std::size_t q = 0; q < n; ++q) corners[q] = window.corners(p.x[who[q]]);
+    return;
+  }
+  const Window::UniformPairs pairs = window.uniform_pairs();
+  for (std::size_t q = 0; q < n; ++q) {
+    Four x;
+    three_at(p.x[who[q]], who[q] + 1 == p.n, x);
+    Window::corners(pairs, x, corners[q]);
+  }
+}
+
+}  // namespace
+
+void find_places(const Window& window, const Particles& p, const std::vector<int>& who, Places& places) {
+  if (window.spread() == Spread::kCell) {
+    places.node.resize(who.size());
+    find_nodes(window, p, who, places.node.data());
+  } else if (window.spread() == Spread::kLinear) {
+    places.corners.resize(who.size());
+    find_corners(window, p, who, places.corners.data());
+  }
+}
+
 }  // namespace twogrid

@@ -14,6 +14,7 @@
 
 #include "../cfd/block_exchange.h"
 #include "particle_grid.h"
+#include "particles.h"
 #include "stencil.h"
 
 namespace twogrid {
@@ -107,7 +108,33 @@ class Window {
     c.at = place(i[0], i[1], i[2]);
     return c;
   }
-  /// All directions uniform: the same at once, as Span::between().
+  /// All directions uniform: node() with what it looks at in one place.
+  struct UniformCells {
+    struct Direction {
+      double first, per_width, last;
+      const double* edge;
+      std::ptrdiff_t stride;
+    } d[3];
+  };
+  UniformCells uniform_cells() const {
+    UniformCells c;
+    const WindowShape s = shape();
+    for (int d = 0; d < 3; ++d) {
+      const Span& a = span_[d];
+      c.d[d] = {a.node[0], a.inverse_width, double(a.hi - a.lo - 1), a.edge.data(), d == 0 ? 1 : d == 1 ? s.row : s.slab};
+    }
+    return c;
+  }
+  static std::ptrdiff_t node(const UniformCells& c, const double x[3]) {
+    std::ptrdiff_t at = 0;
+    for (int d = 0; d < 3; ++d) {
+      const UniformCells::Direction& a = c.d[d];
+      const int i = int(std::min(std::max((x[d] - a.first) * a.per_width, 0.0), a.last));
+      at += a.stride * (i + int(x[d] >= a.edge[i + 1]) - int(x[d] < a.edge[i]));
+    }
+    return at;
+  }
+  /// All directions uniform: corners of all three at once, as Span::between().
   struct UniformPairs {
     Four origin, per_gap, first, last, end, stride;
   };
@@ -169,5 +196,8 @@ class Window {
   double width_ = 0;
   BlockExchange exchange_;
 };
+
+/// Where particles lie: nodes for kCell, corners for kLinear; nothing for other weights. Local.
+void find_places(const Window& window, const Particles& p, const std::vector<int>& who, Places& places);
 
 }  // namespace twogrid
