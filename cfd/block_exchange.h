@@ -19,7 +19,8 @@ struct Slot {
   T* data;
   int stride;
   std::ptrdiff_t index(int i, int j, int k) const {
-    return (i - box.lo[0]) + std::ptrdiff_t(box.size(0)) * ((j - box.lo[1]) + std::ptrdiff_t(box.size(1)) * (k - box.lo[2]));
+    return (i - box.lo[0]) +
+           std::ptrdiff_t(box.size(0)) * ((j - box.lo[1]) + std::ptrdiff_t(box.size(1)) * (k - box.lo[2]));
   }
 };
 

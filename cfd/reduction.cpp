@@ -35,8 +35,7 @@ struct Means {
 
 }  // namespace
 
-void Reduction::over_ranks(MPI_Comm comm, std::initializer_list<double*> largest,
-                           std::initializer_list<double*> sums) {
+void Reduction::over_ranks(MPI_Comm comm, std::initializer_list<double*> largest, std::initializer_list<double*> sums) {
   if (largest.size() > kLargest || sums.size() > kSums) throw std::logic_error("too many values in one reduction");
   static const Means means;  // MPI frees them when it ends
   Values v = {};

@@ -142,8 +142,7 @@ class ViscousSolver::Impl {
 };
 
 ViscousSolver::ViscousSolver(MPI_Comm comm, const Boundaries& boundaries, Momentum& momentum,
-                             const std::array<Box, 3>& faces, const Box& local,
-                             const FaceExchange& halo)
+                             const std::array<Box, 3>& faces, const Box& local, const FaceExchange& halo)
     : impl_(std::make_unique<Impl>(comm, boundaries, momentum, faces, local, halo)) {}
 
 ViscousSolver::~ViscousSolver() = default;

@@ -167,17 +167,17 @@ class Coupling::Impl {
 
   // Particles of this coupling: indices, and what belongs to them.
   std::vector<int> inside_, leaving_, new_;
-  std::vector<ImplicitDrag> drag_;   // of inside_
+  std::vector<ImplicitDrag> drag_;          // of inside_
   std::vector<FourNumbers> flux_velocity_;  // of inside_: what continuity sees (m/s)
-  Places places_;                    // of inside_
-  std::vector<Vec3> change_;         // of inside_, while holding: u_read - u_seen at the interval's end (m/s)
-  std::vector<double> size_ratio_;   // of inside_, with several diameters
+  Places places_;                           // of inside_
+  std::vector<Vec3> change_;                // of inside_, while holding: u_read - u_seen at the interval's end (m/s)
+  std::vector<double> size_ratio_;          // of inside_, with several diameters
   std::vector<FourNumbers> deviations_;
   std::vector<Vec3> last_force_;  // of inside_, at the end of the interval; only in a coupling that is checked
   Extremes extremes_;
   long long new_count_ = 0;
   double terms_ = 1;
-  int repeated_ = 0;  // steps since the last coupling whose force was that of the step before
+  int repeated_ = 0;   // steps since the last coupling whose force was that of the step before
   bool kept_ = false;  // nothing moved at the last coupling: its void fraction may be that of this one too
   long long kept_particles_ = 0;
   decltype(Ledger::deposited_volume) kept_volume_{};
@@ -269,7 +269,8 @@ void Coupling::Impl::start(Particles& p, double dem_dt) {
 //   deposit   V_p -> eps^n on the nodes, bounded -> on the fine cells
 //   react     V_f source_f = sum_p w_pf (b'_p u_ref - I_p/D),   V_f beta_f = sum_p w_pf b'_p
 //   advance   the fluid
-//   take      K_p = b'_p (READ(mean u) - u_ref) D, so that  sum_p (I_p + K_p) + sum_f V_f (source_f - beta_f u_f) D = 0;
+//   take      K_p = b'_p (READ(mean u) - u_ref) D, so that  sum_p (I_p + K_p) + sum_f V_f (source_f - beta_f u_f) D =
+//   0;
 //             u, eps at the particles; b_p by the drag law; formulation A: V_p (R + D_n/eps)
 void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check) {
   const double interval = steps * dem_dt;
@@ -404,7 +405,8 @@ void Coupling::Impl::reduce(const Particles& p, const Survey& mine) {
   if (mine.new_particles > 0)
     for (int i : inside_)
       if (p.state[i][kVoidFraction] == 0) new_.push_back(i);
-  extremes_ = {mine.radius, mine.minus_radius, mine.mass, mine.reaction, mine.response, mine.flux_velocity, extremes_.follow};
+  extremes_ = {mine.radius,   mine.minus_radius,  mine.mass,       mine.reaction,
+               mine.response, mine.flux_velocity, extremes_.follow};
   double tag = double(bad_tag);
   Reduction::over_ranks(comm_,
                         {&extremes_.radius, &extremes_.minus_radius, &extremes_.mass, &extremes_.reaction,
@@ -423,8 +425,7 @@ void Coupling::Impl::reduce(const Particles& p, const Survey& mine) {
   new_count_ = (long long)count[1];
   // Most particles a node's sum can hold: all of them, or what sixteen times its volume holds; and those that leave.
   const double smallest = count[0] > 0 ? sphere_volume(-extremes_.minus_radius) : 1.0;
-  terms_ = std::max(
-      1.0, std::min(count[0], 16 * (nodes_.largest_volume() / smallest + 1)) + count[4]);
+  terms_ = std::max(1.0, std::min(count[0], 16 * (nodes_.largest_volume() / smallest + 1)) + count[4]);
 }
 
 void Coupling::Impl::deposit(const Particles& p) {

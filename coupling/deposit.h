@@ -7,8 +7,8 @@
 //   cube        spread evenly over a cube of given edge, shifted inside at walls (Link et al., porous cube)
 //
 // Each particle's volume is rounded once to an integer multiple of a unit, and its parts are integers that add up to
-// it: sums are exact, and the same bits for any number of ranks and any order of particles. A node may hold 16 times its
-// own volume, or 16 of the largest particles, before the sum overflows.
+// it: sums are exact, and the same bits for any number of ranks and any order of particles. A node may hold 16 times
+// its own volume, or 16 of the largest particles, before the sum overflows.
 #pragma once
 
 #include <mpi.h>

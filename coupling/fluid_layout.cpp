@@ -11,8 +11,9 @@ double layout_cost(const Grid& grid, const Int3& ratio, const Layout& layout, co
     const double cells = double(own.count());
     double cost = cells > 0 ? cells * (1 + LayoutCost::kRow / own.size(0)) : 0.0;
     for (int d = 0; d < 3 && cells > 0; ++d)
-      for (bool open : {own.lo[d] > 0 || (grid.axis[d].periodic() && own.size(d) < layout.extent()[d]),
-                        own.hi[d] < layout.extent()[d] || (grid.axis[d].periodic() && own.size(d) < layout.extent()[d])})
+      for (bool open :
+           {own.lo[d] > 0 || (grid.axis[d].periodic() && own.size(d) < layout.extent()[d]),
+            own.hi[d] < layout.extent()[d] || (grid.axis[d].periodic() && own.size(d) < layout.extent()[d])})
         if (open) cost += LayoutCost::kPeer + LayoutCost::kHalo * cells / own.size(d);
     Box nodes = own;
     for (int d = 0; d < 3; ++d) nodes.lo[d] /= ratio[d], nodes.hi[d] /= ratio[d];

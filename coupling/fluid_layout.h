@@ -14,17 +14,17 @@ namespace twogrid {
 
 /// Costs in cells' work. Of a rank, in a fluid step.
 struct LayoutCost {
-  static constexpr double kRow = 8;     ///< a row's beginning
-  static constexpr double kHalo = 1.5;  ///< a cell in the face of another rank's brick
-  static constexpr double kPeer = 300;  ///< another rank beside a face: messages
-  static constexpr double kMoved = 0.3; ///< a node that is carried between the rank's particles and another rank
+  static constexpr double kRow = 8;      ///< a row's beginning
+  static constexpr double kHalo = 1.5;   ///< a cell in the face of another rank's brick
+  static constexpr double kPeer = 300;   ///< another rank beside a face: messages
+  static constexpr double kMoved = 0.3;  ///< a node that is carried between the rank's particles and another rank
 };
 
 /// Cost of the most loaded rank. window[r]: nodes that the particles of rank r touch (on the particle grid).
 double layout_cost(const Grid& grid, const Int3& ratio, const Layout& layout, const std::vector<Box>& window);
 
-/// follow: bricks where the particles are. It is kept unless another is cheaper by more than a tenth. All ranks give the
-/// same arguments and get the same layout.
+/// follow: bricks where the particles are. It is kept unless another is cheaper by more than a tenth. All ranks give
+/// the same arguments and get the same layout.
 Layout choose_fluid_layout(const Grid& grid, const Int3& ratio, const Layout& follow, const std::vector<Box>& window);
 
 /// px x py x pz equal bricks, cut between particle cells.

@@ -17,13 +17,13 @@ struct Taking {
   const Reader& reader;  ///< loaded: velocity and eps; with kick, mean velocity; formulation A: pressure, third
   const Places& places;  ///< of `who` in it
   const DragLaw& law;
-  const StepForces& forces;       ///< knows a particle's decay over a DEM step
-  double density, viscosity;      ///< of the fluid
-  double interval;                ///< D (s)
-  double read_length;             ///< of what a particle reads (m)
-  bool kick;                      ///< the fluid has advanced
-  bool pressure;                  ///< formulation A
-  const double* size_ratio;       ///< diameters over the local mean; null: 1
+  const StepForces& forces;   ///< knows a particle's decay over a DEM step
+  double density, viscosity;  ///< of the fluid
+  double interval;            ///< D (s)
+  double read_length;         ///< of what a particle reads (m)
+  bool kick;                  ///< the fluid has advanced
+  bool pressure;              ///< formulation A
+  const double* size_ratio;   ///< diameters over the local mean; null: 1
 };
 
 /// This rank's largest values, and sums.
@@ -36,8 +36,8 @@ struct Taken {
   double kick_size = 0;                   ///< sum of the sizes of its components (kg m/s)
 };
 
-/// K = b' (mean u - u_seen) D goes to the velocity; then u, eps, pressure force, b and what hangs on it to the state, in
-/// which the next interval's impulse begins at zero. Local.
+/// K = b' (mean u - u_seen) D goes to the velocity; then u, eps, pressure force, b and what hangs on it to the state,
+/// in which the next interval's impulse begins at zero. Local.
 void kick_and_read(Particles& p, const std::vector<int>& who, const std::vector<ImplicitDrag>& drag,
                    const Taking& taking, Taken& taken);
 

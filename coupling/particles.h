@@ -12,13 +12,13 @@ enum ParticleColumn {
   kFluidVelocity = 7,     ///< 7-9 u read at the last coupling (m/s)
   kDragCoefficient = 10,  ///< 10 b_p (kg/s)
   kImpulse = 11,          ///< 11-13 momentum received from the fluid since the last coupling (kg m/s)
-  kDecay = 14,         ///< 14 phi(b_p dt/m) of StepForces; 0: not known, or the step is stiff. What a step touches
-                       ///< ends here
-  kPosition = 15,      ///< 15-17 x at the last coupling (m)
-  kPathVelocity = 18,  ///< 18-20 path / interval of the last coupling (m/s)
-  kResponse = 21,      ///< 21 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
-  kSizeRatio = 22,     ///< 22 diameter over the local Sauter mean
-  kLateForce = 23,     ///< 23-25 what the second half of a stiff step's force has over the first (N); else zero
+  kDecay = 14,            ///< 14 phi(b_p dt/m) of StepForces; 0: not known, or the step is stiff. What a step touches
+                          ///< ends here
+  kPosition = 15,         ///< 15-17 x at the last coupling (m)
+  kPathVelocity = 18,     ///< 18-20 path / interval of the last coupling (m/s)
+  kResponse = 21,         ///< 21 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
+  kSizeRatio = 22,        ///< 22 diameter over the local Sauter mean
+  kLateForce = 23,        ///< 23-25 what the second half of a stiff step's force has over the first (N); else zero
   kParticleColumns = 26
 };
 

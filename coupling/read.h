@@ -31,9 +31,9 @@ Spread spread_of(Read read);
 /// is null is not read (zero).
 struct Readable {
   const FaceField<FineGrid>* velocity = nullptr;
-  const Array3<double>* eps = nullptr;                ///< own nodes
-  const FaceField<FineGrid>* mean = nullptr;          ///< mean velocity of the interval
-  const FaceField<FineGrid>* pressure = nullptr;      ///< the residual force of formulation A
+  const Array3<double>* eps = nullptr;            ///< own nodes
+  const FaceField<FineGrid>* mean = nullptr;      ///< mean velocity of the interval
+  const FaceField<FineGrid>* pressure = nullptr;  ///< the residual force of formulation A
 };
 
 class Reader {
@@ -102,7 +102,7 @@ class Reader {
   std::vector<FourNumbers> field_;                                          // on the window, groups together
   std::vector<FourWholeNumbers> sum_;                                       // on the window
   std::array<Array3<long long>, kReactions> node_sum_;                      // own nodes
-  std::array<CellField<ParticleGrid>, kReactions> node_reaction_;  // own nodes
+  std::array<CellField<ParticleGrid>, kReactions> node_reaction_;           // own nodes
 };
 
 }  // namespace twogrid

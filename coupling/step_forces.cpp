@@ -95,7 +95,7 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
 ///   start of the next    second = 2 (G + b w_n) (1 - phi)/k,   w_n the slip at this step's end
 /// b by the drag law at the mean slip of the step in question (that of the next one by iteration). k_per_b = k/b.
 void StepForces::stiff_forces(const Particles& p, int i, double k_per_b, double dem_dt, const Vec3& steady,
-                                  const Vec3& slip, bool ends_a_step, Vec3& first, Vec3& second) const {
+                              const Vec3& slip, bool ends_a_step, Vec3& first, Vec3& second) const {
   const double per_mass = dem_dt / p.mass[i];
   Vec3 end = slip, middle;
   if (ends_a_step) {
@@ -140,8 +140,8 @@ void StepForces::stiff_forces(const Particles& p, int i, double k_per_b, double 
 double StepForces::law_at(const Particles& p, int i, const Vec3& slip) const {
   const double* s = p.state[i];
   const double magnitude = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
-  const double b_A = drag_coefficient(law_, s[kVoidFraction], 2 * p.radius[i], magnitude, density_,
-                                      viscosity_, s[kSizeRatio]);
+  const double b_A =
+      drag_coefficient(law_, s[kVoidFraction], 2 * p.radius[i], magnitude, density_, viscosity_, s[kSizeRatio]);
   return A_ ? b_A : b_A / s[kVoidFraction];
 }
 

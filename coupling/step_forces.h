@@ -5,7 +5,8 @@
 //   f <- phi(k) (f - V_p rho_f g + F),   F = b (u_seen - v) + F_p,   k = c D/m,   phi(k) = (1 - e^-k)/k,   D = dem_dt
 //   not holding   u_seen = u_read, c = b
 //   holding       u_seen = u_read - C(t), c = b_tot (1 + eps_s/eps); formulation A: F_p grows by V_p P(t)
-// monotone for every k. Where k > kStiff each half kick has a force of its own, with b by the drag law at the mean slip.
+// monotone for every k. Where k > kStiff each half kick has a force of its own, with b by the drag law at the mean
+// slip.
 #pragma once
 
 #include <vector>

@@ -121,7 +121,10 @@ class Window {
     const WindowShape s = shape();
     for (int d = 0; d < 3; ++d) {
       const Span& a = span_[d];
-      c.d[d] = {a.node[0], a.inverse_width, double(a.hi - a.lo - 1), a.edge.data(), d == 0 ? 1 : d == 1 ? s.row : s.slab};
+      c.d[d] = {a.node[0], a.inverse_width, double(a.hi - a.lo - 1), a.edge.data(),
+                d == 0   ? 1
+                : d == 1 ? s.row
+                         : s.slab};
     }
     return c;
   }

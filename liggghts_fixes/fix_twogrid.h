@@ -22,11 +22,11 @@
 #include <string>
 #include <vector>
 
+#include "balance.h"
 #include "cfd/fluid_solver.h"
 #include "coupling/accuracy.h"
 #include "coupling/coupling.h"
 #include "coupling/output/output.h"
-#include "balance.h"
 #include "progress.h"
 #include "script_parser.h"
 

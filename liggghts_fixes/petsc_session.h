@@ -13,7 +13,8 @@ namespace twogrid {
 /// standard error at their origin and a return code; its signal handler is taken out. Collective. Throws
 /// std::runtime_error.
 void start_petsc(const std::vector<std::string>& words);
-/// -fluid_bricks PX,PY,PZ: bricks of the fluid's cells, for `ranks` ranks; empty: not given. Throws std::invalid_argument.
+/// -fluid_bricks PX,PY,PZ: bricks of the fluid's cells, for `ranks` ranks; empty: not given. Throws
+/// std::invalid_argument.
 std::optional<std::array<int, 3>> fluid_bricks_option(int ranks);
 /// -balance on|off: whether the ranks' parts of the box follow the particles. On if not given.
 bool balance_option();

@@ -2,11 +2,11 @@
 //
 // Without these tests would pass: borders that overtake each other, that jump over a neighbour (LIGGGHTS loses what has
 // to go further than to the next rank), parts narrower than the ghosts' layer, or no end of moving.
-#include "liggghts_fixes/even_borders.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "liggghts_fixes/even_borders.h"
 
 namespace twogrid_test {
 namespace {

@@ -3,10 +3,9 @@
 // Without these tests would pass: bricks that cut a particle cell in two; a thin bed cut across its rows, so that most
 // of the work is in the beginnings of rows; a large cubic problem taken away from its particles for nothing; ranks left
 // without cells because the fluid fills only a part of LIGGGHTS' box.
-#include "coupling/fluid_layout.h"
-
 #include <gtest/gtest.h>
 
+#include "coupling/fluid_layout.h"
 #include "coupling_fakes.h"
 
 namespace twogrid_test {
