@@ -335,7 +335,7 @@ void Coupling::Impl::find_particles(const Particles& p) {
 void Coupling::Impl::set_outside(const Particles& p, int i) {
   double* s = p.state[i];
   std::fill(s, s + kParticleColumns, 0.0);
-  s[kVoidFraction] = 1;
+  s[kVoidFraction] = s[kKnown] = 1;
   for (int d = 0; d < 3; ++d) s[kPathVelocity + d] = p.v[i][d], s[kPosition + d] = p.x[i][d];
 }
 

@@ -84,7 +84,7 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
                  Taken& taken) {
   constexpr int kGroups = kA ? 3 : kKick ? 2 : 1;
   static_assert(kImpulse == kDragCoefficient + 1 && kFluidVelocity == kVoidFraction + 1 &&
-                kVoidFraction == kPressureForce + 3);
+                kVoidFraction == kPressureForce + 3 && kDragCoefficient == kStepVelocity + 3);
   Batch batch;
   Four kicks{0, 0, 0, 0}, rest{0, 0, 0, 0}, sizes{0, 0, 0, 0};
   const std::size_t n = who.size();
@@ -95,7 +95,7 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
   t.reader.at_places(p, who, t.places, [&](std::size_t q, const auto& place) {
     const int i = who[q];
     if (q + kAhead < n)
-      for (int column = kVoidFraction; column <= kSizeRatio; column += 8)
+      for (int column : {kVoidFraction, kStepVelocity, kResponse})
         __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
     double* const s = p.state[i];
     Four out[kGroups];
@@ -116,6 +116,7 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
     const double diameter = 2 * p.radius[i], eps = out[0][3];
     if (kA) four_at(s + kPressureForce) = sphere_volume(p.radius[i]) * out[2];
     four_at(s + kVoidFraction) = __builtin_shuffle(out[0], FourIntegers{3, 0, 1, 2});
+    four_at(s + kStepVelocity) = out[0];  // b of the next column follows
     const int l = batch.n++;
     batch.row[l] = s;
     batch.eps[l] = eps;

@@ -9,6 +9,7 @@ namespace {
 
 /// The rows of many particles' state don't fit into the nearest caches: they are asked for so many particles ahead.
 constexpr int kAhead = 8;
+static_assert(kDragCoefficient == kStepVelocity + 3 && kImpulse == kDragCoefficient + 1 && kDecay == kImpulse + 3);
 
 template <bool kPressure, bool kWatched>
 inline int add(const Particles& p, const PlainStep& step, int* left) {
@@ -17,16 +18,17 @@ inline int add(const Particles& p, const PlainStep& step, int* left) {
   for (int i = 0; i < p.n; ++i) {
     if (!p.takes_part(i)) continue;
     double* const s = p.state[i];
-    if (i + kAhead < p.n)
-      for (int line = kDecay; line >= (kWatched ? 0 : kFluidVelocity); line -= 7)
-        __builtin_prefetch(p.state[i + kAhead] + line, 1);
+    if (i + kAhead < p.n) {
+      __builtin_prefetch(p.state[i + kAhead] + kStepVelocity, 1);
+      if (kPressure || kWatched) __builtin_prefetch(p.state[i + kAhead] + kPressureForce, 1);
+    }
     const double b = s[kDragCoefficient], decay = s[kDecay];
     if (decay == 0) {
       left[count++] = i;
       continue;
     }
     double* const f = p.f[i];
-    const double *const v = p.v[i], *const u = s + kFluidVelocity, *const pressure = s + kPressureForce;
+    const double *const v = p.v[i], *const u = s + kStepVelocity, *const pressure = s + kPressureForce;
     const double buoyancy = step.lift * sphere_volume(p.radius[i]);
     const Four other = Four{f[0], f[1], f[2], 0} + buoyancy * g;
     const Four pressed{pressure[0], pressure[1], pressure[2], 0};

@@ -40,15 +40,14 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
   for (std::size_t q = 0; q < n; ++q) {
     const int i = who[q];
     if (q + kAhead < n)
-      for (int column = kVoidFraction; column <= kSizeRatio; column += 8)
-        __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
+      for (int column : {kStepVelocity, kPosition}) __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
     double* const s = p.state[i];
     Four x, v;
     three_at(p.x[i], i + 1 == p.n, x);
     three_at(p.v[i], i + 1 == p.n, v);
     if (end.repeated > 0)
       for (int d = 0; d < 3; ++d) s[kImpulse + d] += end.repeated * (s[kDragForce + d] + s[kPressureForce + d]);
-    const Four impulse = four_at(s + kImpulse), u = four_at(s + kFluidVelocity);
+    const Four impulse = four_at(s + kImpulse), u = four_at(s + kStepVelocity);
     const double m = p.mass[i], b = s[kResponse];
     const double per_mass = held && p.held(i) ? 0.0 : 1 / m;
     const double response = b * mean_decay(b * end.interval * per_mass);
@@ -62,7 +61,7 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
       way += way <= -half ? period : none;
     }
     Four mean = way * per_interval, flux;
-    if (s[kVoidFraction] == 0) {
+    if (s[kKnown] == 0) {
       mean = flux = v;
       ++survey.new_particles;
       survey.new_volume += volume;
@@ -73,6 +72,7 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
     static_assert(kPathVelocity == kPosition + 3 && kResponse == kPathVelocity + 3);
     four_at(s + kPosition) = x;
     four_at(s + kPathVelocity) = mean;
+    s[kKnown] = 1;
     Four given = response * seen - impulse * per_interval;
     given[3] = response;
     seen[3] = per_mass;

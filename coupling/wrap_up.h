@@ -39,7 +39,7 @@ struct IntervalEnd {
 };
 
 /// For every particle in `who`: path velocity and position noted in its state; drag[q] and flux_velocity[q] (m/s, three
-/// components) belong to who[q]; survey: this rank's. Particles whose state has no void fraction are new. Local.
+/// components) belong to who[q]; survey: this rank's. Particles that are not known are new. Local.
 void wrap_up(const Particles& p, const std::vector<int>& who, const IntervalEnd& end, std::vector<ImplicitDrag>& drag,
              std::vector<FourNumbers>& flux_velocity, Survey& survey);
 

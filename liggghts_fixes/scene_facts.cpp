@@ -11,6 +11,7 @@
 #include <lammps.h>
 #include <modify.h>
 #include <mpi.h>
+#include <neighbor.h>
 #include <pair_gran.h>
 #include <primitive_wall.h>
 #include <update.h>
@@ -167,6 +168,7 @@ SceneFacts scene_facts(LAMMPS& lammps, int groupbit) {
     }
   read_walls(lammps, facts);
   facts.dem_dt = lammps.update->dt;
+  facts.skin = lammps.neighbor->skin;
   read_contact_time(lammps, facts);
   read_equal_stiffness(lammps, facts);
   facts.contacts = contacts_text(lammps);

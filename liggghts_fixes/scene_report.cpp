@@ -301,6 +301,9 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
     line("expected cost", "DEM about " + std::to_string(int(100 * dem / (dem + fluid))) + " %, fluid about " +
                               std::to_string(100 - int(100 * dem / (dem + fluid))) + " %");
   }
+  const double skins = facts.d_mean > 0 ? facts.skin / facts.d_mean : 0.0;
+  if (skins > 0 && (skins < 0.25 || skins > 0.7))  // measured: tests/bench/README.md
+    line("neighbour skin", brief(facts.skin) + " m, " + brief(skins) + " diameters; 0.25 to 0.7 diameters is fastest");
   line("ranks", std::to_string(facts.ranks) + " as " + three(facts.bricks) +
                     (facts.fluid_bricks == facts.bricks ? "" : ", the fluid as " + three(facts.fluid_bricks)));
   if (s.output.every > 0) line("output", s.output.file + " every " + std::to_string(s.output.every) + " steps");

@@ -25,6 +25,7 @@ struct SceneFacts {
   double density = 0;                       ///< of the particles, kg/m3; 0: unknown
   Vec3 gravity{0, 0, 0};                    ///< m/s2
   double dem_dt = 0;                        ///< s
+  double skin = 0;                          ///< of LIGGGHTS' neighbour lists (m); 0: unknown
   double contact_time = 0;                  ///< s; 0: unknown
   std::string contact_time_from;            ///< how it was found
   std::string contacts;                     ///< what evaluates them; empty: no granular pair style

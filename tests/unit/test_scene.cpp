@@ -125,6 +125,18 @@ TEST(SceneWarnings, EachHasItsCause) {
   EXPECT_TRUE(any_with(warnings(), "fine cells in one coupling interval"));
 }
 
+TEST(SceneReportText, SkinFarFromTheBest) {
+  const Settings s = scene();
+  const auto report = [&](double skin) {
+    SceneFacts f = facts();
+    f.skin = skin * f.d_mean;
+    return scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), f);
+  };
+  EXPECT_NE(report(0.1).find("0.1 diameters; 0.25 to 0.7"), std::string::npos);
+  EXPECT_NE(report(0.9).find("0.9 diameters; 0.25 to 0.7"), std::string::npos);
+  EXPECT_EQ(report(0.4).find("neighbour skin"), std::string::npos);
+}
+
 TEST(SceneReportText, SaysGridsSidesAndDefaults) {
   const Settings s = scene();
   const std::string r =
