@@ -13,8 +13,8 @@ import numpy as np
 from harness import Checks, Run, arguments, data_file, head_with_particles, walls
 
 L, D, H = 0.0312, 0.00495, 0.072
-STEPS = 600
-CUTS = {1: ["1 1 1"], 2: ["1 1 2"], 4: ["1 1 4", "2 1 2"], 8: ["1 1 8", "2 1 4"]}
+STEPS = 400
+CUTS = {2: ["1 1 2"], 4: ["1 1 4", "2 1 2"], 8: ["1 1 8"]}
 METHODS = {
     "centroid, B": "deposit centroid prolong constant read cell formulation B",
     "trilinear, A, flux held": "deposit trilinear prolong linear read trilinear formulation A hold on",
@@ -60,16 +60,18 @@ def main():
     for name, methods in METHODS.items():
         one, *_ = run(executable, "1 1 1", methods, "off", 1)
         speed = np.abs(one[:, 3:]).max()
-        for n in (r for r in ranks if r > 1):
-            for cut in CUTS[n]:
+        first = name == "centroid, B"
+        for n in ranks if first else [r for r in ranks if r <= 4]:
+            for cut in CUTS[n] if first else CUTS[n][:1]:
                 state, fullest, volume, momentum, text = run(executable, cut, methods, "on", n)
-                fixed, before, *_ = run(executable, cut, methods, "off", n)
-                c.note(f"{name}, {cut}: fullest rank {fullest:.2f} of the mean, {before:.2f} with equal parts")
+                c.note(f"{name}, {cut}: fullest rank {fullest:.2f} of the mean")
                 c.true("it was said once", text.count("parts of the box follow") == 1)
                 c.below("fullest rank over the mean", fullest, 1.2)
-                c.true("equal parts are uneven here", before > 1.5)
                 c.below("velocities against one rank", np.abs(state - one)[:, 3:].max() / speed, 1e-8)
-                c.below("velocities of equal parts against one rank", np.abs(fixed - one)[:, 3:].max() / speed, 1e-8)
+                if first and n <= 4:
+                    fixed, before, *_ = run(executable, cut, methods, "off", n)
+                    c.true(f"equal parts are uneven here, fullest rank {before:.2f}", before > 1.5)
+                    c.below("velocities of equal parts against one rank", np.abs(fixed - one)[:, 3:].max() / speed, 1e-8)
                 c.below("solid volume", volume, 1e-12)
                 c.below("action and reaction", momentum, 1e-12)
     c.end()
