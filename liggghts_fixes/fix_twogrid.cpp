@@ -61,6 +61,23 @@ Shares operator-(const Shares& a, const Shares& b) {
   return {a.deposit - b.deposit, a.map - b.map, a.fluid - b.fluid, a.output - b.output, a.force - b.force};
 }
 
+/// What Modify keeps of a restart file's fixes.
+struct Restarted : Modify {
+  static char** ids(Modify& m) { return m.*&Restarted::id_restart_global; }
+  static char** states(Modify& m) { return m.*&Restarted::state_restart_global; }
+};
+
+/// Values a particle of the fix property/atom of this id in the restart file that was read; -1: it holds none.
+int values_in_restart(Modify& modify, const std::string& id) {
+  for (int i = 0; i < modify.nfix_restart_global; ++i)
+    if (id == Restarted::ids(modify)[i]) {
+      double values = 0;  // the first of its global state
+      std::memcpy(&values, Restarted::states(modify)[i], sizeof values);
+      return int(values);
+    }
+  return -1;
+}
+
 std::string command_line_text() {
   std::ifstream in("/proc/self/cmdline");
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
@@ -141,6 +158,14 @@ BoxFacts FixTwogrid::box_facts() const {
 void FixTwogrid::post_create() {
   if (state_) return;
   const std::string name = std::string(id) + "_state";
+  guarded([&] {
+    const int kept = values_in_restart(*modify, name);
+    if (kept >= 0 && kept != kParticleColumns)
+      throw std::invalid_argument("the restart file holds " + std::to_string(kept) +
+                                  " values a particle for this fix, wanted " + std::to_string(kParticleColumns) +
+                                  ": another version of twogrid has written it; give the fix another ID, and what it "
+                                  "knows of the particles begins anew");
+  });
   std::vector<std::string> words{name, "all", "property/atom", name, "vector", "yes", "no", "no"};
   words.insert(words.end(), kParticleColumns, "0.");
   std::vector<char*> pointers;

@@ -144,21 +144,26 @@ wrong("output together with a later mistake", ["no outlet"], flow="fix_modify ga
 # later
 wrong("change after the first run", ["drag", "first run"], after="fix_modify gas drag stokes\nrun 1")
 wrong("a second fluid", ["second", "gas"], after="fix air all twogrid " + FIX)
+# on the command line
+wrong("bricks for other ranks", ["-fluid_bricks", "number of ranks"], options=["-fluid_bricks", "3,1,1"])
+wrong("two bricks", ["-fluid_bricks", "three numbers"], options=["-fluid_bricks", "1,1"])
+wrong("balance of no kind", ["-balance", "on or off"], options=["-balance", "perhaps"])
 
 
 def script(scene):
     values = dict(atom_style="granular", boundary="f f f", group="all", before="", after="", modify="", fix=FIX, steps=0,
                   pair=PAIR, floor=FLOOR, sizes="set group all diameter 0.001 density 2500")
     values.update(scene)
+    values.pop("options", None)
     return SCENE.format(**values)
 
 
-def run(executable, ranks, text, folder):
+def run(executable, ranks, text, folder, options=()):
     with open(os.path.join(folder, "in.scene"), "w") as f:
         f.write(text)
     with open(os.path.join(folder, "two.spheres"), "w") as f:
         f.write("0 0 0 0.0005\n0.0005 0 0 0.0005\n")
-    command = [executable, "-in", "in.scene", "-log", "log.scene"]
+    command = [executable, "-in", "in.scene", "-log", "log.scene", *options]
     if ranks > 1:
         command = MPIRUN + ["-np", str(ranks)] + command
     begin = time.time()
@@ -214,7 +219,7 @@ def main():
     def attempt(case):
         name, words, scene = case
         folder = tempfile.mkdtemp()
-        code, out, seconds = run(executable, args.ranks, script(scene), folder)
+        code, out, seconds = run(executable, args.ranks, script(scene), folder, scene.get("options", ()))
         problems, errors = judge(code, out, seconds, words, folder)
         shutil.rmtree(folder)
         return name, out, seconds, problems, errors
