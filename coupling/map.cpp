@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../cfd/vectorised.h"
+
 namespace twogrid {
 
 namespace {
@@ -62,12 +64,20 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
       });
       inverse_[d](I, J, K) = sum > 0 ? 1 / sum : 0.0;
     });
-    const Box& b = faces_[d];
-    for (int k = b.lo[2]; k < b.hi[2]; ++k)
-      for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-        const FaceState* s = &state.data()[state.index(b.lo[0], j, k)];
-        may_be_fixed_[d].push_back(std::find(s, s + b.size(0), FaceState::kFixed) != s + b.size(0));
-      }
+    const auto look = [&](const Box& b, std::vector<unsigned char>& any_fixed) {
+      for (int k = b.lo[2]; k < b.hi[2]; ++k)
+        for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+          const FaceState* s = &state.data()[state.index(b.lo[0], j, k)];
+          any_fixed.push_back(std::find(s, s + b.size(0), FaceState::kFixed) != s + b.size(0));
+        }
+    };
+    look(faces_[d], may_be_fixed_[d]);
+    if (own_.empty()) continue;
+    for (int e = 0; e < 3; ++e) {
+      rows_[d].lo[e] = own_.lo[e] * grid_.ratio[e];
+      rows_[d].hi[e] = own_.hi[e] * grid_.ratio[e] + (e == d);
+    }
+    look(rows_[d], checked_[d]);
   }
   with_below_ = below[rank];
 }
@@ -75,22 +85,40 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
 namespace {
 
 /// node[I] += sum over its cells i of weight w_i u_i, or with kNormal over its r + 1 faces; fixed faces left out.
-/// Widths start with the first node's first cell (kNormal: face).
-template <bool kNormal>
-void add_row(int nodes, int r, double weight, const double* width, const double* u, const FaceState* state,
-             double* node) {
+/// Widths start with the first node's first cell (kNormal: face). state: null if no face of the row is fixed.
+template <bool kNormal, bool kFixed>
+inline void add_row(int nodes, int r, double weight, const double* width, const double* u, const FaceState* state,
+                    double* __restrict node) {
   const int faces = kNormal ? r + 1 : r;
+  const auto open = [&](int i) { return !kFixed || state[i] == FaceState::kSolved; };
   if (r == 1) {
     for (int I = 0; I < nodes; ++I)
       for (int i = 0; i < (kNormal ? 2 : 1); ++i)
-        node[I] += state[I + i] == FaceState::kSolved ? weight * width[I * (kNormal ? 2 : 1) + i] * u[I + i] : 0.0;
+        node[I] += open(I + i) ? weight * width[I * (kNormal ? 2 : 1) + i] * u[I + i] : 0.0;
     return;
   }
-  for (int I = 0; I < nodes; ++I, width += faces, u += r, state += r) {
+  for (int I = 0, first = 0; I < nodes; ++I, width += faces, first += r) {
     double sum = node[I];
-    for (int i = 0; i < faces; ++i) sum += state[i] == FaceState::kSolved ? weight * width[i] * u[i] : 0.0;
+    for (int i = 0; i < faces; ++i) sum += open(first + i) ? weight * width[i] * u[first + i] : 0.0;
     node[I] = sum;
   }
+}
+
+template <bool kNormal>
+inline void add_row(int nodes, int r, double weight, const double* width, const double* u, const FaceState* state,
+                    double* node) {
+  if (state)
+    add_row<kNormal, true>(nodes, r, weight, width, u, state, node);
+  else
+    add_row<kNormal, false>(nodes, r, weight, width, u, state, node);
+}
+
+TWOGRID_VECTORISED void add_row(bool normal, int nodes, int r, double weight, const double* width, const double* u,
+                                const FaceState* state, double* node) {
+  if (normal)
+    add_row<true>(nodes, r, weight, width, u, state, node);
+  else
+    add_row<false>(nodes, r, weight, width, u, state, node);
 }
 
 }  // namespace
@@ -115,11 +143,10 @@ void Map::mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGri
             const double wjk =
                 wk * (d == 1 ? half_[1][std::size_t(J) * (grid_.ratio[1] + 1) + (j - b.lo[1])] : width_[1][j]);
             const double* row = &u.data()[u.index(first, j, k)];
-            const FaceState* fixed = &state.data()[state.index(first, j, k)];
-            if (d == 0)
-              add_row<true>(nodes, r, wjk, width_x, row, fixed, out);
-            else
-              add_row<false>(nodes, r, wjk, width_x, row, fixed, out);
+            const bool checked =
+                checked_[d][(j - rows_[d].lo[1]) + std::size_t(rows_[d].size(1)) * (k - rows_[d].lo[2])];
+            add_row(d == 0, nodes, r, wjk, width_x, row, checked ? &state.data()[state.index(first, j, k)] : nullptr,
+                    out);
           }
         }
         for (int I = 0; I < nodes; ++I) out[I] *= inverse[I];

@@ -66,6 +66,9 @@ class Map {
   NodeVector<CellField<ParticleGrid>> inverse_;  // 1 / W_n, own nodes
   // 1 where the face of a row of own faces of direction d, by index j + ny k of the row in faces_[d], may be fixed.
   std::array<std::vector<unsigned char>, 3> may_be_fixed_;
+  // The same for the rows of all faces of own nodes, rows_[d].
+  std::array<Box, 3> rows_;
+  std::array<std::vector<unsigned char>, 3> checked_;
   Box with_below_;
   BlockExchange below_;
 

@@ -29,10 +29,20 @@ constexpr int kBins = 1024;
 
 /// Fixes that keep something of the ranks' parts of the box, or may: then they stay as they are.
 bool Balance::can_be_moved() const {
-  static const char* const harmless[] = {
-      "twogrid",   "nve/",           "gravity",          "wall/gran",         "freeze",
-      "property/", "contacthistory", "contactproperty/", "particletemplate/", "particledistribution/",
-      "ave/",      "print",          "check/timestep"};
+  static const char* const harmless[] = {"twogrid",
+                                         "nve/",
+                                         "gravity",
+                                         "wall/gran",
+                                         "freeze",
+                                         "property/",
+                                         "contacthistory",
+                                         "contactproperty/",
+                                         "particletemplate/",
+                                         "particledistribution/",
+                                         "ave/time",
+                                         "ave/atom",
+                                         "print",
+                                         "check/timestep"};
   const Modify& modify = *lammps_.modify;
   for (int f = 0; f < modify.nfix; ++f)
     if (std::none_of(std::begin(harmless), std::end(harmless), [&](const char* style) {
