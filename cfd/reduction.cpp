@@ -23,10 +23,10 @@ void combine(void* from, void* to, int* count, MPI_Datatype*) {
   }
 }
 
-struct Means {
+struct Handles {
   MPI_Datatype type;
   MPI_Op op;
-  Means() {
+  Handles() {
     MPI_Type_contiguous(sizeof(Values) / sizeof(double), MPI_DOUBLE, &type);
     MPI_Type_commit(&type);
     MPI_Op_create(&combine, 1, &op);
@@ -37,13 +37,13 @@ struct Means {
 
 void Reduction::over_ranks(MPI_Comm comm, std::initializer_list<double*> largest, std::initializer_list<double*> sums) {
   if (largest.size() > kLargest || sums.size() > kSums) throw std::logic_error("too many values in one reduction");
-  static const Means means;  // MPI frees them when it ends
+  static const Handles mpi;  // MPI frees them when it ends
   Values v = {};
   double* at = v.largest;
   for (const double* a : largest) *at++ = *a;
   at = v.sum;
   for (const double* a : sums) *at++ = *a;
-  MPI_Allreduce(MPI_IN_PLACE, &v, 1, means.type, means.op, comm);
+  MPI_Allreduce(MPI_IN_PLACE, &v, 1, mpi.type, mpi.op, comm);
   at = v.largest;
   for (double* a : largest) *a = *at++;
   at = v.sum;

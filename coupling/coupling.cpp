@@ -269,8 +269,8 @@ void Coupling::Impl::start(Particles& p, double dem_dt) {
 //   deposit   V_p -> eps^n on the nodes, bounded -> on the fine cells
 //   react     V_f source_f = sum_p w_pf (b'_p u_ref - I_p/D),   V_f beta_f = sum_p w_pf b'_p
 //   advance   the fluid
-//   take      K_p = b'_p (READ(mean u) - u_ref) D, so that  sum_p (I_p + K_p) + sum_f V_f (source_f - beta_f u_f) D =
-//   0;
+//   take      K_p = b'_p (READ(mean u) - u_ref) D, so that
+//             sum_p (I_p + K_p) + sum_f V_f (source_f - beta_f u_f) D = 0;
 //             u, eps at the particles; b_p by the drag law; formulation A: V_p (R + D_n/eps)
 void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check) {
   const double interval = steps * dem_dt;
@@ -323,10 +323,11 @@ void Coupling::Impl::find_particles(const Particles& p) {
     } else if (within(p.x[i], inside_lo_, inside_hi_)) {
       inside_[n++] = i;
       covered_ &= reader_.window().covers(p.x[i]);
-    } else if (p.state[i][kDragCoefficient] > 0)
+    } else if (p.state[i][kDragCoefficient] > 0) {
       leaving_.push_back(i);
-    else
+    } else {
       set_outside(p, i);
+    }
   }
   inside_.resize(n);
 }

@@ -86,7 +86,8 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
   static_assert(kImpulse == kDragCoefficient + 1 && kFluidVelocity == kVoidFraction + 1 &&
                 kVoidFraction == kPressureForce + 3 && kDragCoefficient == kStepVelocity + 3);
   Batch batch;
-  Four kicks{0, 0, 0, 0}, rest{0, 0, 0, 0}, sizes{0, 0, 0, 0};
+  FourSums kicks;
+  Four sizes{0, 0, 0, 0};
   const std::size_t n = who.size();
   const WindowShape shape = t.reader.shape();
   const FourNumbers* const field = t.reader.field();
@@ -107,9 +108,7 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
       const Four kick = drag[q].given[3] * interval * (out[kKick] - drag[q].seen);
       v += kick * per_mass;
       for (int d = 0; d < 3; ++d) p.v[i][d] = v[d];
-      const Four sum = kicks + kick, seen = sum - kicks;  // compensated, see Sum
-      rest += (kicks - (sum - seen)) + (kick - seen);
-      kicks = sum;
+      kicks.add(kick);
       sizes += kick < 0 ? -kick : kick;
     }
     const Four slip = out[0] - v, slip2 = slip * slip, speed2 = v * v;
@@ -134,8 +133,7 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
   taken.follow = largest_of(batch.follow);
   taken.speed = largest_of(batch.fastest);
   for (int d = 0; d < 3; ++d) {
-    taken.kick[d] += kicks[d];
-    taken.kick[d] += rest[d];
+    kicks.add_to(taken.kick[d], d);
     taken.kick_size += sizes[d];
   }
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../cfd/box.h"
+#include "../cfd/vectorised.h"
 
 namespace twogrid {
 
@@ -22,6 +23,23 @@ class Sum {
 
  private:
   double sum_ = 0, rest_ = 0;
+};
+
+/// Four such sums at once.
+class FourSums {
+ public:
+  void add(const Four& x) {
+    const Four t = sum_ + x, seen = t - sum_;
+    rest_ += (sum_ - (t - seen)) + (x - seen);
+    sum_ = t;
+  }
+  void add_to(Sum& total, int which) const {
+    total += sum_[which];
+    total += rest_[which];
+  }
+
+ private:
+  Four sum_{0, 0, 0, 0}, rest_{0, 0, 0, 0};
 };
 
 /// Momentum exchanged in one interval, and solid volume; this rank's part, then all ranks' together.

@@ -100,7 +100,9 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
     for (int i = s.lo; i <= s.hi; ++i) s.node.push_back(node_image(a, i));
     for (int i = 0; i < s.hi - s.lo; ++i) s.centre.push_back(0.5 * (s.node[i] + s.node[i + 1]));
     if (!a.periodic() && s.hi == a.n()) s.node.back() = a.hi();
-    const int before = a.periodic() ? a.n() : 0;  // nodes before the first that have a place
+    // Nodes before the first that have a place, on any rank: with few nodes around a period the window goes further
+    // back.
+    const int before = !a.periodic() ? 0 : a.n() < 4 ? 4 * a.n() : a.n();
     s.pair_origin = a.lo() + (0.5 - before) * (a.length() / a.n());
     s.per_gap = a.n() / a.length();
     s.first_pair = s.lo + before, s.end_pair = s.hi - 1 + before;

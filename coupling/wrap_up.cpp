@@ -14,16 +14,6 @@ namespace {
 /// Rows of state are asked for so many particles ahead: they don't fit into the nearest caches.
 constexpr int kAhead = 8;
 
-/// Compensated sums of four numbers (see Sum).
-struct FourSums {
-  Four sum{0, 0, 0, 0}, rest{0, 0, 0, 0};
-  void add(const Four& x) {
-    const Four t = sum + x, seen = t - sum;
-    rest += (sum - (t - seen)) + (x - seen);
-    sum = t;
-  }
-};
-
 template <bool kPeriodic>
 inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const IntervalEnd& end, ImplicitDrag* drag,
                         FourNumbers* flux_velocity, Survey& survey) {
@@ -95,12 +85,10 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
   survey.response = std::max(survey.response, largest[3]);
   survey.flux_velocity = std::sqrt(fastest[0] * fastest[0] + fastest[1] * fastest[1] + fastest[2] * fastest[2]);
   for (int d = 0; d < 3; ++d) {
-    survey.impulse[d] += impulses.sum[d];
-    survey.impulse[d] += impulses.rest[d];
+    impulses.add_to(survey.impulse[d], d);
     survey.impulse_size += sizes[d];
   }
-  survey.volume += volumes.sum[0];
-  survey.volume += volumes.rest[0];
+  volumes.add_to(survey.volume, 0);
   survey.finite = survey.finite && unbounded[0] + unbounded[1] + unbounded[2] == 0;
 }
 

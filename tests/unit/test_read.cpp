@@ -216,5 +216,22 @@ TEST(Reading, ShortPlacesAreStencils) {
     }
 }
 
+// Around a period of one or two nodes a particle may lie further outside than they are wide.
+TEST(Reading, FewNodesAroundAPeriod) {
+  for (int n : {1, 2, 3, 4, 9}) {
+    const FineGrid grid = make_grid({0, 0, 0}, {0.1 * n, 1, 1}, {n, 4, 4}, {true, false, false});
+    const ParticleGrid nodes(grid, {1, 1, 1});
+    const Layout layout = make_layout(grid, 1, {1, 1, 1});
+    const Window window(MPI_COMM_SELF, nodes, layout, {{0, 0, 0}, {0.1 * n, 1, 1}, 0.16}, Spread::kLinear, 0.0);
+    for (double x = -0.159; x < 0.1 * n + 0.159; x += 0.003) {
+      int lower;
+      double w;
+      window.span(0).between(x, lower, w);
+      EXPECT_TRUE(w >= 0 && w <= 1) << w << ", " << n << " nodes";
+      EXPECT_NEAR(window.span(0).centre[lower] + 0.1 * w, x, 1e-14) << n << " nodes";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace twogrid_test
