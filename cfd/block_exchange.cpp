@@ -14,14 +14,13 @@ int floor_div(int a, int b) {
 
 template <class T>
 MPI_Datatype mpi_type() {
-  static_assert(sizeof(T) <= 8, "values of up to 8 bytes");
-  if constexpr (std::is_same_v<T, double>) return MPI_DOUBLE;
-  if constexpr (sizeof(T) == 8 && std::is_integral_v<T>) return MPI_INT64_T;
+  if constexpr (std::is_same_v<T, double> || std::is_same_v<T, FourNumbers>) return MPI_DOUBLE;
+  if constexpr (std::is_same_v<T, long long> || std::is_same_v<T, FourWholeNumbers>) return MPI_INT64_T;
   return MPI_BYTE;
 }
 template <class T>
 int mpi_count(std::size_t n) {
-  return int(mpi_type<T>() == MPI_BYTE ? n * sizeof(T) : n);
+  return int(mpi_type<T>() == MPI_BYTE ? n * sizeof(T) : n * (sizeof(T) / 8));
 }
 
 /// Rows of a halo are short, down to one value: a call of memcpy would cost more than they do.
@@ -50,7 +49,7 @@ inline void copy_row(const T* from, T* to, int n) {
 template <class T>
 inline void unpack_row(T* row, const T* in, int n, bool accumulate) {
   if (accumulate)
-    for (int i = 0; i < n; ++i) row[i] = T(row[i] + in[i]);
+    for (int i = 0; i < n; ++i) row[i] += in[i];
   else
     copy_row(in, row, n);
 }
@@ -88,12 +87,15 @@ void pack(const Slot<T>& a, const Box& b, T*& out) {
 }
 
 template <class T>
-void unpack(const Slot<T>& a, const Box& b, const T*& in, bool) {
+void unpack(const Slot<T>& a, const Box& b, const T*& in, bool accumulate) {
   const int n = b.size(0);
   for (int k = b.lo[2]; k < b.hi[2]; ++k)
     for (int j = b.lo[1]; j < b.hi[1]; ++j) {
       T* to = a.data + a.stride * a.index(b.lo[0], j, k);
-      for (int i = 0; i < n; ++i, to += a.stride) *to = *in++;
+      if (accumulate)
+        for (int i = 0; i < n; ++i, to += a.stride) *to += *in++;
+      else
+        for (int i = 0; i < n; ++i, to += a.stride) *to = *in++;
     }
 }
 
@@ -137,11 +139,11 @@ void carry_over(const Source& from, const Box& b, const Target& to, const Box& a
 
 /// Room for the values of all fields, one peer after the other.
 template <class T, class Peers>
-T* make_room(const Peers& peers, std::size_t fields, std::vector<double>& buffer) {
+T* make_room(const Peers& peers, std::size_t fields, std::vector<FourNumbers>& buffer) {
   std::size_t values = 0;
   for (const auto& p : peers) values += p.count * fields;
-  const std::size_t doubles = (values * sizeof(T) + sizeof(double) - 1) / sizeof(double);
-  if (buffer.size() < doubles) buffer.resize(doubles);
+  const std::size_t groups = (values * sizeof(T) + sizeof(FourNumbers) - 1) / sizeof(FourNumbers);
+  if (buffer.size() < groups) buffer.resize(groups);
   return reinterpret_cast<T*>(buffer.data());
 }
 
@@ -236,8 +238,8 @@ void BlockExchange::bring(const std::vector<const Array3<T>*>& owner, const std:
 }
 
 template <class T>
-void BlockExchange::bring(const std::vector<const Array3<T>*>& owner, const std::vector<Slot<T>>& window) const {
-  transfer<T>(receive_, send_, owner, window, true, false, false);
+void BlockExchange::bring(const std::vector<Slot<T>>& owner, const std::vector<Slot<T>>& window) const {
+  transfer<T>(receive_, send_, owner, window, true, false, owner[0].data == window[0].data);
 }
 
 template <class T>
@@ -246,8 +248,8 @@ void BlockExchange::add(const std::vector<const Array3<T>*>& window, const std::
 }
 
 template <class T>
-void BlockExchange::add(const std::vector<Slot<T>>& window, const std::vector<Array3<T>*>& owner) const {
-  transfer<T>(send_, receive_, window, owner, false, true, false);
+void BlockExchange::add(const std::vector<Slot<T>>& window, const std::vector<Slot<T>>& owner) const {
+  transfer<T>(send_, receive_, window, owner, false, true, owner[0].data == window[0].data);
 }
 
 template <class T>
@@ -264,10 +266,10 @@ TWOGRID_INSTANTIATE(double)
 TWOGRID_INSTANTIATE(long long)
 TWOGRID_INSTANTIATE(unsigned char)
 #undef TWOGRID_INSTANTIATE
-template void BlockExchange::bring<double>(const std::vector<const Array3<double>*>&,
-                                           const std::vector<Slot<double>>&) const;
-template void BlockExchange::add<long long>(const std::vector<Slot<long long>>&,
-                                            const std::vector<Array3<long long>*>&) const;
+template void BlockExchange::bring<FourNumbers>(const std::vector<Slot<FourNumbers>>&,
+                                                const std::vector<Slot<FourNumbers>>&) const;
+template void BlockExchange::add<FourWholeNumbers>(const std::vector<Slot<FourWholeNumbers>>&,
+                                                   const std::vector<Slot<FourWholeNumbers>>&) const;
 
 FaceExchange::FaceExchange(MPI_Comm comm, const std::array<std::vector<Box>, 3>& owned,
                            const std::array<std::vector<Box>, 3>& wanted, const Int3& period,

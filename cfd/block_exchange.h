@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "box.h"
+#include "vectorised.h"
 
 namespace twogrid {
 
-/// One of several values that lie together for every cell of a box: value of cell m at data[stride * m].
+/// One of several values (or groups) that lie together for every cell of a box: that of cell m at data[stride * m].
 template <class T>
 struct Slot {
   Box box;
@@ -37,13 +38,14 @@ class BlockExchange {
   /// window <- owners' values. The arrays must cover the rank's owned and wanted box. Collective.
   template <class T>
   void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Array3<T>*>& window) const;
+  /// The same; the window may lie around the owned box in one and the same memory, here and in add().
   template <class T>
-  void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Slot<T>>& window) const;
+  void bring(const std::vector<Slot<T>>& owner, const std::vector<Slot<T>>& window) const;
   /// owners' values += windows' values, own window included, in rank order. Exact for integers. Collective.
   template <class T>
   void add(const std::vector<const Array3<T>*>& window, const std::vector<Array3<T>*>& owner) const;
   template <class T>
-  void add(const std::vector<Slot<T>>& window, const std::vector<Array3<T>*>& owner) const;
+  void add(const std::vector<Slot<T>>& window, const std::vector<Slot<T>>& owner) const;
   /// Halo of arrays that hold both own values and halo. Collective.
   template <class T>
   void bring(const std::vector<Array3<T>*>& field) const;
@@ -71,8 +73,8 @@ class BlockExchange {
   std::vector<Peer> send_;     // of owned values that others (or this rank's window) want
   std::vector<Peer> receive_;  // of wanted values, by owner
   std::vector<Piece> self_;
-  mutable std::vector<double> in_, out_;      // messages: kept, so that a transfer allocates nothing
-  mutable std::vector<MPI_Request> request_;  // of those from others, then of those to others
+  mutable std::vector<FourNumbers> in_, out_;  // messages: kept, so that a transfer allocates nothing
+  mutable std::vector<MPI_Request> request_;   // of those from others, then of those to others
 
   friend class FaceExchange;
 };
@@ -103,7 +105,7 @@ class FaceExchange {
   MPI_Comm comm_ = MPI_COMM_NULL;
   std::array<BlockExchange, 3> part_;
   std::vector<Joint> send_, receive_;
-  mutable std::vector<double> in_, out_;
+  mutable std::vector<FourNumbers> in_, out_;
   mutable std::vector<MPI_Request> request_;
 };
 

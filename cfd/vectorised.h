@@ -23,6 +23,13 @@ struct alignas(32) FourWholeNumbers {
   long long at[4];
 };
 
+inline void operator+=(FourNumbers& sum, const FourNumbers& a) {
+  for (int c = 0; c < 4; ++c) sum.at[c] += a.at[c];
+}
+inline void operator+=(FourWholeNumbers& sum, const FourWholeNumbers& a) {
+  for (int c = 0; c < 4; ++c) sum.at[c] += a.at[c];
+}
+
 /// Four numbers that lie anywhere in an array.
 typedef double FourInRow __attribute__((vector_size(32), aligned(8), may_alias));
 inline const FourInRow& four_at(const double* first) {
@@ -39,16 +46,34 @@ inline void three_at(const double* first, bool last, Four& to) {
     to = four_at(first);
 }
 typedef long long FourIntegersInRow __attribute__((vector_size(32), aligned(8), may_alias));
+inline const FourIntegersInRow& four_at(const long long* first) {
+  return *reinterpret_cast<const FourIntegersInRow*>(first);
+}
 inline FourIntegersInRow& four_at(long long* first) {
   return *reinterpret_cast<FourIntegersInRow*>(first);
+}
+
+/// The nearest doubles. (No instruction before AVX-512 does this: the halves of the bits are put behind exponents of
+/// 2^84 and 2^52, whose sum and the highest bit's sign are then taken away.)
+inline void to_doubles(const FourIntegers& whole, Four& to) {
+  typedef unsigned long long Bits __attribute__((vector_size(32)));
+  const Bits m = (Bits)whole;
+  const Four high = (Four)((m >> 32) ^ 0x4530000080000000ULL),
+             low = (Four)((m & 0xffffffffULL) | 0x4330000000000000ULL);
+  to = (high - (0x1p84 + 0x1p63 + 0x1p52)) + low;
 }
 
 /// m = max(m, a), number by number.
 inline void keep_largest(Four& m, const Four& a) {
   m = a > m ? a : m;
 }
+/// |a|, number by number.
+inline void size_of(const Four& a, Four& size) {
+  size = (Four)((FourIntegers)a & 0x7fffffffffffffffLL);
+}
 inline void keep_largest_size(Four& m, const Four& a) {
-  const Four size = a < 0 ? -a : a;
+  Four size;
+  size_of(a, size);
   m = size > m ? size : m;
 }
 

@@ -167,6 +167,7 @@ class Coupling::Impl {
 
   // Particles of this coupling: indices, and what belongs to them.
   std::vector<int> inside_, leaving_, new_;
+  std::vector<int> others_;                 // scratch of find_particles()
   std::vector<ImplicitDrag> drag_;          // of inside_
   std::vector<FourNumbers> flux_velocity_;  // of inside_: what continuity sees (m/s)
   Places places_;                           // of inside_
@@ -310,26 +311,49 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
   report_.fluid_steps += fluid.steps;
 }
 
-void Coupling::Impl::find_particles(const Particles& p) {
-  Stopwatch watch(shares_.deposit);
-  inside_.resize(p.n);
-  leaving_.clear();
-  covered_ = true;
+namespace {
+
+/// Particles that lie where they surely may go to `inside`, the others that take part to `others`, both in order.
+TWOGRID_VECTORISED void sort_out(const Particles& p, const Vec3& surely_lo, const Vec3& surely_hi,
+                                 std::vector<int>& inside, std::vector<int>& others) {
+  const Four lo{surely_lo[0], surely_lo[1], surely_lo[2], -HUGE_VAL};
+  const Four hi{surely_hi[0], surely_hi[1], surely_hi[2], HUGE_VAL};
+  inside.resize(p.n);
+  others.clear();
+  int* const to = inside.data();
   int n = 0;
   for (int i = 0; i < p.n; ++i) {
     if (!p.takes_part(i)) continue;
-    if (within(p.x[i], surely_lo_, surely_hi_)) {
-      inside_[n++] = i;
-    } else if (within(p.x[i], inside_lo_, inside_hi_)) {
-      inside_[n++] = i;
+    Four x;
+    three_at(p.x[i], i + 1 == p.n, x);
+    const FourIntegers within = (x >= lo) & (x <= hi);
+    to[n] = i;
+    if ((within[0] & within[1] & within[2]) != 0)
+      ++n;
+    else
+      others.push_back(i);
+  }
+  inside.resize(n);
+}
+
+}  // namespace
+
+void Coupling::Impl::find_particles(const Particles& p) {
+  Stopwatch watch(shares_.deposit);
+  sort_out(p, surely_lo_, surely_hi_, inside_, others_);
+  leaving_.clear();
+  covered_ = true;
+  const std::size_t sure = inside_.size();
+  for (int i : others_)
+    if (within(p.x[i], inside_lo_, inside_hi_)) {
+      inside_.push_back(i);
       covered_ &= reader_.window().covers(p.x[i]);
     } else if (p.state[i][kDragCoefficient] > 0) {
       leaving_.push_back(i);
     } else {
       set_outside(p, i);
     }
-  }
-  inside_.resize(n);
+  if (inside_.size() > sure) std::inplace_merge(inside_.begin(), inside_.begin() + sure, inside_.end());
 }
 
 /// No fluid, and known: should it come in, its path began here, and it pushes fluid aside as any particle that moves.
@@ -641,10 +665,9 @@ void Coupling::Impl::check_reaction(double interval) {
         const double *source = exchange_.source_row(d, b.lo[0], j, k, n, rows_[0].data()),
                      *beta = exchange_.beta_row(d, b.lo[0], j, k, n, rows_[1].data()),
                      *u = &mean[d].data()[mean[d].index(b.lo[0], j, k)];
-        double row = 0;  // plain within a row, compensated over rows
-        for (int i = 0; i < n; ++i)
-          row += (source[i] - beta[i] * u[i]) * reader_.map().face_volume(d, b.lo[0] + i, j, k);
-        ledger_.reaction[d] += row * interval;
+        double* const force = rows_[2].data();
+        for (int i = 0; i < n; ++i) force[i] = source[i] - beta[i] * u[i];
+        ledger_.reaction[d] += reader_.map().integral(d, j, k, force) * interval;
       }
   }
 }

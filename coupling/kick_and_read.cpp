@@ -109,7 +109,9 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
       v += kick * per_mass;
       for (int d = 0; d < 3; ++d) p.v[i][d] = v[d];
       kicks.add(kick);
-      sizes += kick < 0 ? -kick : kick;
+      Four size;
+      size_of(kick, size);
+      sizes += size;
     }
     const Four slip = out[0] - v, slip2 = slip * slip, speed2 = v * v;
     const double diameter = 2 * p.radius[i], eps = out[0][3];

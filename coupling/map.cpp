@@ -25,7 +25,7 @@ std::vector<Box> grown(std::vector<Box> boxes, const Int3& lo, const Int3& hi) {
 }  // namespace
 
 Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
-    : fluid_(&fluid), grid_(grid), layout_(node_layout(fluid.layout(), grid)), fine_(fluid.grid()) {
+    : grid_(grid), layout_(node_layout(fluid.layout(), grid)), fine_(fluid.grid()) {
   const int rank = rank_of(comm);
   own_ = layout_.cells(rank);
   const std::vector<Box> below = grown(layout_.all_cells(), {1, 1, 1}, {0, 0, 0});
@@ -46,11 +46,13 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
     faces_[d] = fluid.layout().faces(d, rank);
     const Axis& a = fine_.axis[d];
     const int r = grid_.ratio[d];
-    half_[d].resize(std::size_t(grid_.n()[d]) * (r + 1));
-    for (int n = 0; n < grid_.n()[d]; ++n)
-      for (int m = 0; m <= r; ++m)
-        half_[d][n * (r + 1) + m] = 0.5 * ((m > 0 ? a.width(n * r + m - 1) : 0) + (m < r ? a.width(n * r + m) : 0));
+    const int nodes = grid_.n()[d];
+    half_[d].resize(std::size_t(nodes) * (r + 1));
+    for (int m = 0; m <= r; ++m)
+      for (int n = 0; n < nodes; ++n)
+        half_[d][m * nodes + n] = 0.5 * ((m > 0 ? a.width(n * r + m - 1) : 0) + (m < r ? a.width(n * r + m) : 0));
     inverse_[d].reset(own_);
+    holds_back_[d] = false;
     const Array3<FaceState>& state = fluid.face_state(d);
     for_each(own_, [&](int I, int J, int K) {
       Box b = grid_.block(I, J, K);
@@ -60,169 +62,214 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
       for_each(b, [&](int i, int j, int k) {
         if (state(i, j, k) == FaceState::kFixed) return;
         const Int3 c{i, j, k};
-        sum += fine_.area(d, i, j, k) * half_[d][node[d] * (r + 1) + c[d] - first[d]];
+        sum += fine_.area(d, i, j, k) * half_[d][(c[d] - first[d]) * nodes + node[d]];
       });
       inverse_[d](I, J, K) = sum > 0 ? 1 / sum : 0.0;
+      if (!(sum > 0)) holds_back_[d] = true;
     });
-    const auto look = [&](const Box& b, std::vector<unsigned char>& any_fixed) {
-      for (int k = b.lo[2]; k < b.hi[2]; ++k)
-        for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-          const FaceState* s = &state.data()[state.index(b.lo[0], j, k)];
-          any_fixed.push_back(std::find(s, s + b.size(0), FaceState::kFixed) != s + b.size(0));
-        }
-    };
-    look(faces_[d], may_be_fixed_[d]);
     if (own_.empty()) continue;
+    Box of_own_nodes;
     for (int e = 0; e < 3; ++e) {
-      rows_[d].lo[e] = own_.lo[e] * grid_.ratio[e];
-      rows_[d].hi[e] = own_.hi[e] * grid_.ratio[e] + (e == d);
+      of_own_nodes.lo[e] = own_.lo[e] * grid_.ratio[e];
+      of_own_nodes.hi[e] = own_.hi[e] * grid_.ratio[e] + (e == d);
     }
-    look(rows_[d], checked_[d]);
+    open_[d] = OpenFaces(state, of_own_nodes);
   }
   with_below_ = below[rank];
+  row_.resize(std::size_t(own_.size(0)) * grid_.ratio[0] + 1);
+}
+
+double Map::integral(int d, int j, int k, const double* density) const {
+  const Box& b = faces_[d];
+  const Int3 c{0, j, k};
+  double across = 1;
+  for (int e = 1; e < 3; ++e) across *= (e == d ? face_width_[e] : width_[e])[c[e]];
+  const double* const width = (d == 0 ? face_width_[0] : width_[0]).data() + b.lo[0];
+  const int n = b.size(0);
+  Four sums{0, 0, 0, 0};
+  int i = 0;
+  for (; i + 4 <= n; i += 4) sums += four_at(density + i) * four_at(width + i);
+  double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+  for (; i < n; ++i) sum += density[i] * width[i];
+  return sum * across;
 }
 
 namespace {
 
-/// node[I] += sum over its cells i of weight w_i u_i, or with kNormal over its r + 1 faces; fixed faces left out.
-/// Widths start with the first node's first cell (kNormal: face). state: null if no face of the row is fixed.
-template <bool kNormal, bool kFixed>
-inline void add_row(int nodes, int r, double weight, const double* width, const double* u, const FaceState* state,
-                    double* __restrict node) {
-  const int faces = kNormal ? r + 1 : r;
-  const auto open = [&](int i) { return !kFixed || state[i] == FaceState::kSolved; };
+/// sum = or += weight u over the faces that are open (null: all).
+template <bool kFirst>
+inline void add_row(int n, double weight, const double* u, const double* open, double* __restrict sum) {
+  if (open)
+    for (int i = 0; i < n; ++i) sum[i] = (kFirst ? 0.0 : sum[i]) + weight * open[i] * u[i];
+  else
+    for (int i = 0; i < n; ++i) sum[i] = (kFirst ? 0.0 : sum[i]) + weight * u[i];
+}
+
+/// A row of nodes from the sums over y and z of its faces: node[stride I] = inverse[I] times the sum over the block's
+/// faces m of width sum. kNormal: the row runs along d, and face m of node I has the width width[m all_nodes + I].
+template <bool kNormal>
+inline void sum_blocks(int nodes, int r, std::ptrdiff_t all_nodes, const double* width, const double* sum,
+                       const double* inverse, std::ptrdiff_t stride, double* __restrict node) {
   if (r == 1) {
-    for (int I = 0; I < nodes; ++I)
-      for (int i = 0; i < (kNormal ? 2 : 1); ++i)
-        node[I] += open(I + i) ? weight * width[I * (kNormal ? 2 : 1) + i] * u[I + i] : 0.0;
+    for (int I = 0; I < nodes; ++I) {
+      const double all = kNormal ? width[I] * sum[I] + width[all_nodes + I] * sum[I + 1] : width[I] * sum[I];
+      node[stride * I] = inverse[I] * all;
+    }
     return;
   }
-  for (int I = 0, first = 0; I < nodes; ++I, width += faces, first += r) {
-    double sum = node[I];
-    for (int i = 0; i < faces; ++i) sum += open(first + i) ? weight * width[i] * u[first + i] : 0.0;
-    node[I] = sum;
+  for (int I = 0; I < nodes; ++I, sum += r) {
+    double all = 0;
+    for (int m = 0; m < r + kNormal; ++m) all += (kNormal ? width[all_nodes * m + I] : width[r * I + m]) * sum[m];
+    node[stride * I] = inverse[I] * all;
   }
-}
-
-template <bool kNormal>
-inline void add_row(int nodes, int r, double weight, const double* width, const double* u, const FaceState* state,
-                    double* node) {
-  if (state)
-    add_row<kNormal, true>(nodes, r, weight, width, u, state, node);
-  else
-    add_row<kNormal, false>(nodes, r, weight, width, u, state, node);
-}
-
-TWOGRID_VECTORISED void add_row(bool normal, int nodes, int r, double weight, const double* width, const double* u,
-                                const FaceState* state, double* node) {
-  if (normal)
-    add_row<true>(nodes, r, weight, width, u, state, node);
-  else
-    add_row<false>(nodes, r, weight, width, u, state, node);
 }
 
 }  // namespace
 
-void Map::mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGrid>>& node) const {
+TWOGRID_VECTORISED void Map::mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node) const {
   if (own_.empty()) return;
   const int nodes = own_.size(0), r = grid_.ratio[0], first = own_.lo[0] * r;
+  const std::ptrdiff_t stride = 4 * node.stride;
+  double* const sum = row_.data();
   for (int d = 0; d < 3; ++d) {
-    const Array3<FaceState>& state = fluid_->face_state(d);
     const FaceComponent<FineGrid>& u = face[d];
-    const int faces_x = d == 0 ? r + 1 : r;
-    const double* width_x = d == 0 ? &half_[0][std::size_t(own_.lo[0]) * faces_x] : &width_[0][first];
+    const int faces = nodes * r + (d == 0);
+    const double* const width = d == 0 ? &half_[0][own_.lo[0]] : &width_[0][first];
     for (int K = own_.lo[2]; K < own_.hi[2]; ++K)
       for (int J = own_.lo[1]; J < own_.hi[1]; ++J) {
         const Box b = grid_.block(own_.lo[0], J, K);
-        double* const out = &node[d](own_.lo[0], J, K);
-        const double* const inverse = &inverse_[d].data()[inverse_[d].index(own_.lo[0], J, K)];
-        std::fill(out, out + nodes, 0.0);
+        bool fresh = true;
         for (int k = b.lo[2]; k < b.hi[2] + (d == 2); ++k) {
-          const double wk = d == 2 ? half_[2][std::size_t(K) * (grid_.ratio[2] + 1) + (k - b.lo[2])] : width_[2][k];
+          const double wk = d == 2 ? half_[2][(k - b.lo[2]) * grid_.n()[2] + K] : width_[2][k];
           for (int j = b.lo[1]; j < b.hi[1] + (d == 1); ++j) {
-            const double wjk =
-                wk * (d == 1 ? half_[1][std::size_t(J) * (grid_.ratio[1] + 1) + (j - b.lo[1])] : width_[1][j]);
-            const double* row = &u.data()[u.index(first, j, k)];
-            const bool checked =
-                checked_[d][(j - rows_[d].lo[1]) + std::size_t(rows_[d].size(1)) * (k - rows_[d].lo[2])];
-            add_row(d == 0, nodes, r, wjk, width_x, row, checked ? &state.data()[state.index(first, j, k)] : nullptr,
-                    out);
+            const double weight = wk * (d == 1 ? half_[1][(j - b.lo[1]) * grid_.n()[1] + J] : width_[1][j]);
+            const double* const row = &u.data()[u.index(first, j, k)];
+            if (fresh)
+              add_row<true>(faces, weight, row, open_[d].row(j, k), sum);
+            else
+              add_row<false>(faces, weight, row, open_[d].row(j, k), sum);
+            fresh = false;
           }
         }
-        for (int I = 0; I < nodes; ++I) out[I] *= inverse[I];
+        const double* const inverse = &inverse_[d].data()[inverse_[d].index(own_.lo[0], J, K)];
+        double* const out = node.data[node.stride * node.index(own_.lo[0], J, K)].at + d;
+        if (d == 0)
+          sum_blocks<true>(nodes, r, grid_.n()[0], width, sum, inverse, stride, out);
+        else
+          sum_blocks<false>(nodes, r, grid_.n()[0], width, sum, inverse, stride, out);
       }
   }
 }
 
-Vec3 Map::spread(const std::array<const CellField<ParticleGrid>*, 3>& node, NodeSpread& density) const {
-  Vec3 held_back{0, 0, 0};
-  density.map_ = this;
-  auto& share = density.share_;
-  for (int d = 0; d < 3; ++d) {
-    if (!(share[d].box() == with_below_)) share[d].reset(with_below_);
-    double sum = 0;
-    for_each(own_, [&](int I, int J, int K) {
-      const double q = (*node[d])(I, J, K), inverse = inverse_[d](I, J, K);
-      share[d](I, J, K) = q * inverse;
-      if (inverse == 0) sum += q;
-    });
-    held_back[d] = sum;
+namespace {
+
+/// q_n / W_n of a row of nodes: of components 0-2 to source, of component 3 to beta.
+TWOGRID_VECTORISED void share_out(int nodes, const FourWholeNumbers* node, int stride, const Four& unit,
+                                  const std::array<const double*, 3>& inverse, const std::array<double*, 3>& source,
+                                  const std::array<double*, 3>& beta) {
+  for (int I = 0; I < nodes; ++I, node += stride) {
+    Four q;
+    to_doubles(four_at(node->at), q);
+    q *= unit;
+    for (int d = 0; d < 3; ++d) {
+      source[d][I] = q[d] * inverse[d][I];
+      beta[d][I] = q[3] * inverse[d][I];
+    }
   }
-  below_.bring<double>({&share[0], &share[1], &share[2]});
+}
+
+}  // namespace
+
+Vec3 Map::spread(const Slot<FourWholeNumbers>& node, const std::array<FixedPoint, 2>& scale, NodeSpread& source,
+                 NodeSpread& beta) const {
+  Vec3 held_back{0, 0, 0};
+  for (NodeSpread* to : {&source, &beta}) {
+    to->map_ = this;
+    for (auto& share : to->share_)
+      if (!(share.box() == with_below_)) share.reset(with_below_);
+  }
+  const double f = scale[0].unit(), g = scale[1].unit();
+  const Four unit{f, f, f, g};
+  const int slabs = own_.empty() ? 0 : own_.size(2);
+  for (int K = own_.lo[2]; K < own_.lo[2] + slabs; ++K)
+    for (int J = own_.lo[1]; J < own_.hi[1]; ++J) {
+      const FourWholeNumbers* const row = node.data + node.stride * node.index(own_.lo[0], J, K);
+      std::array<const double*, 3> inverse;
+      std::array<double*, 3> to[2];
+      for (int d = 0; d < 3; ++d) {
+        inverse[d] = &inverse_[d].data()[inverse_[d].index(own_.lo[0], J, K)];
+        to[0][d] = &source.share_[d](own_.lo[0], J, K);
+        to[1][d] = &beta.share_[d](own_.lo[0], J, K);
+      }
+      share_out(own_.size(0), row, node.stride, unit, inverse, to[0], to[1]);
+      for (int d = 0; d < 3; ++d)
+        if (holds_back_[d])
+          for (int I = 0; I < own_.size(0); ++I)
+            if (inverse[d][I] == 0) held_back[d] += scale[0].value(row[node.stride * I].at[d]);
+    }
+  below_.bring<double>(
+      {&source.share_[0], &source.share_[1], &source.share_[2], &beta.share_[0], &beta.share_[1], &beta.share_[2]});
   return held_back;
 }
 
-template <int d>
-inline void NodeSpread::fill_row(int i, int j, int k, int n, double* out) const {
-  const Map& map = *map_;
-  const std::array<const int*, 3> block{map.block_[0].data(), map.block_[1].data(), map.block_[2].data()};
-  const CellField<ParticleGrid>& share = share_[d];
-  const std::ptrdiff_t down = d == 0 ? 1 : share.stride(d);
-  const double* row = share.data() + share.index(0, block[1][j], block[2][k]);
-  // A value of the block, and those of its faces: all the same but, along d, for the first.
-  auto value = [&](const double* s, double above) {
-    if (above >= 1) return *s;
-    return above > 0 ? above * *s + (1 - above) * s[-down] : s[-down];
-  };
-  const int r = map.grid_.ratio[0], end = i + n;
-  if (r == 1) {
-    const double *const s = row + i, *const below = s - down;
-    if (d != 0) {
-      const double above = map.above_[d][d == 1 ? j : k], rest = 1 - above;
-      if (above == 0 || above == 1)
-        std::copy_n(above == 1 ? s : below, n, out);
-      else
-        for (int q = 0; q < n; ++q) out[q] = above * s[q] + rest * below[q];
-      return;
-    }
-    const double* const above = &map.above_[0][i];
-    const int nodes = std::min(n, map.grid_.n()[0] - i);  // there is none above the last face
-    for (int q = 0; q < nodes; ++q) out[q] = above[q] * s[q] + (1 - above[q]) * below[q];
-    for (int q = nodes; q < n; ++q) out[q] = value(s + q, above[q]);
-    return;
-  }
-  while (i < end) {
-    const double* s = row + block[0][i];
-    const int next = std::min(end, i - i % r + r);
-    if (d == 0) {
-      *out++ = value(s, map.above_[0][i]), ++i;
-      if (i < next) out = std::fill_n(out, next - i, *s);
-    } else {
-      out = std::fill_n(out, next - i, value(s, map.above_[d][d == 1 ? j : k]));
-    }
-    i = next;
+namespace {
+
+/// A row of faces whose blocks are single cells: mean of the values of the nodes at either side, as `above` weighs
+/// them.
+template <bool kNormal>
+inline void between_nodes(int n, const double* node, std::ptrdiff_t down, const double* above, double* __restrict out) {
+  for (int q = 0; q < n; ++q) {
+    const double w = kNormal ? above[q] : *above;
+    out[q] = w * node[q] + (1 - w) * node[q - down];
   }
 }
 
+/// The same where blocks are r cells wide, from cell i on. Faces inside a block have its value.
+template <bool kNormal>
+inline void between_blocks(int i, int n, int r, const double* node, std::ptrdiff_t down, const double* above,
+                           double* __restrict out) {
+  const int end = i + n;
+  for (node += i / r; i < end; ++node) {
+    const int next = std::min(end, i - i % r + r);
+    double value = *node;
+    if (kNormal && i % r == 0)
+      *out++ = above[i] > 0 ? above[i] * value + (1 - above[i]) * node[-1] : node[-1], ++i;
+    else if (!kNormal && *above < 1)
+      value = *above > 0 ? *above * value + (1 - *above) * node[-down] : node[-down];
+    for (; i < next; ++i) *out++ = value;
+  }
+}
+
+}  // namespace
+
+TWOGRID_VECTORISED void NodeSpread::fill_row(int d, int i, int j, int k, int n, double* out) const {
+  const Map& map = *map_;
+  const CellField<ParticleGrid>& share = share_[d];
+  const int r = map.grid_.ratio[0];
+  const std::ptrdiff_t down = d == 0 ? 1 : share.stride(d);
+  const double* const node = share.data() + share.index(0, map.block_[1][j], map.block_[2][k]);
+  const double* const above = d == 0 ? map.above_[0].data() : &map.above_[d][d == 1 ? j : k];
+  if (d == 0 && r == 1) {
+    const int nodes = std::min(n, map.grid_.n()[0] - i);  // there is none above the last face
+    between_nodes<true>(nodes, node + i, 1, above + i, out);
+    if (nodes < n) out[nodes] = node[i + nodes - 1];
+  } else if (d == 0) {
+    between_blocks<true>(i, n, r, node, 1, above, out);
+  } else if (r > 1) {
+    between_blocks<false>(i, n, r, node, down, above, out);
+  } else if (*above == 0 || *above == 1) {
+    std::copy_n(node + i - (*above == 0 ? down : 0), n, out);
+  } else {
+    between_nodes<false>(n, node + i, down, above, out);
+  }
+  const double* const open = map.open_[d].row(j, k);
+  if (!open) return;
+  const double* const factor = open + (i - map.faces_[d].lo[0]);
+  for (int q = 0; q < n; ++q) out[q] *= factor[q];
+}
+
 void NodeSpread::row(int d, int i, int j, int k, int n, double* out) const {
-  if (n == 0) return;  // a rank without cells
-  d == 0 ? fill_row<0>(i, j, k, n, out) : d == 1 ? fill_row<1>(i, j, k, n, out) : fill_row<2>(i, j, k, n, out);
-  const Box& b = map_->faces_[d];
-  if (!map_->may_be_fixed_[d][(j - b.lo[1]) + std::size_t(b.size(1)) * (k - b.lo[2])]) return;
-  const Array3<FaceState>& state = map_->fluid_->face_state(d);
-  const FaceState* fixed = &state.data()[state.index(i, j, k)];
-  for (int q = 0; q < n; ++q)
-    if (fixed[q] == FaceState::kFixed) out[q] = 0;
+  if (n > 0) fill_row(d, i, j, k, n, out);  // else a rank without cells
 }
 
 void NodeSpread::field(int d, Array3<double>& out) const {

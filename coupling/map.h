@@ -14,6 +14,9 @@
 
 #include "../cfd/block_exchange.h"
 #include "../cfd/fluid.h"
+#include "../cfd/vectorised.h"
+#include "fixed_point.h"
+#include "open_faces.h"
 #include "particle_grid.h"
 #include "settings.h"
 
@@ -43,15 +46,18 @@ class Map {
     return face_width_[d][c[d]] * (w[e][c[e]] * w[f][c[f]]);
   }
 
-  /// `face` covers own faces and a halo of one, filled; `node` own nodes.
-  void mean(const FaceField<FineGrid>& face, NodeVector<CellField<ParticleGrid>>& node) const;
-  /// node[d]: integrals over the node (N, kg/s); density: per volume, on own faces. Components with the same values may
-  /// be one array given three times. Returns what nodes without a solved face held back, summed over own nodes. The map
-  /// must live as long as density is used. Collective.
-  Vec3 spread(const std::array<const CellField<ParticleGrid>*, 3>& node, NodeSpread& density) const;
+  /// Sum over the row of own faces of `density` V_f.
+  double integral(int d, int j, int k, const double* density) const;
+
+  /// `face` covers own faces and a halo of one, filled; node: own nodes, of whose groups components 0-2 are set.
+  void mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node) const;
+  /// node: own nodes' sums over the node, in units of scale[0] (components 0-2, N) and scale[1] (component 3, kg/s);
+  /// source (0-2) and beta (3): per volume, on own faces. Returns what nodes without a solved face held back of
+  /// components 0-2, summed over own nodes. The map must live as long as source and beta are used. Collective.
+  Vec3 spread(const Slot<FourWholeNumbers>& node, const std::array<FixedPoint, 2>& scale, NodeSpread& source,
+              NodeSpread& beta) const;
 
  private:
-  const Fluid* fluid_;
   ParticleGrid grid_;
   Layout layout_;
   Box own_;
@@ -62,13 +68,11 @@ class Map {
   // Face i of direction d takes the share `above` of node [i / r] and 1 - above of the node below.
   std::array<std::vector<double>, 3> above_;
   std::array<std::vector<int>, 3> block_;        // node of fine cell i; of the last face: the last node
-  std::array<std::vector<double>, 3> half_;      // [d][N (r + 1) + m]: width inside block N of its face m
+  std::array<std::vector<double>, 3> half_;      // [d][m n + N]: width inside block N of its face m = 0 ... r
   NodeVector<CellField<ParticleGrid>> inverse_;  // 1 / W_n, own nodes
-  // 1 where the face of a row of own faces of direction d, by index j + ny k of the row in faces_[d], may be fixed.
-  std::array<std::vector<unsigned char>, 3> may_be_fixed_;
-  // The same for the rows of all faces of own nodes, rows_[d].
-  std::array<Box, 3> rows_;
-  std::array<std::vector<unsigned char>, 3> checked_;
+  std::array<bool, 3> holds_back_;               // some W_n is zero
+  std::array<OpenFaces, 3> open_;                // all faces of own nodes
+  mutable std::vector<double> row_;              // scratch of mean()
   Box with_below_;
   BlockExchange below_;
 
@@ -83,8 +87,7 @@ class NodeSpread : public FaceRows {
   void field(int d, Array3<double>& out) const;
 
  private:
-  template <int d>
-  void fill_row(int i, int j, int k, int n, double* out) const;
+  void fill_row(int d, int i, int j, int k, int n, double* out) const;
 
   const Map* map_ = nullptr;
   NodeVector<CellField<ParticleGrid>> share_;  // q_n / W_n on own nodes and those below

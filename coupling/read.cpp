@@ -25,41 +25,55 @@ Spread spread_of(Read read) {
 Reader::Reader(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid, const ParticleRegion& region, Read read,
                double width)
     : comm_(comm), read_(read), width_(width), map_(comm, fluid, grid) {
-  for (auto& a : node_sum_) a.reset(map_.own());
-  for (auto& a : node_reaction_) a.reset(map_.own());
   move_region(region);
 }
 
 void Reader::move_region(const ParticleRegion& region) {
   window_ = Window(comm_, map_.grid(), map_.layout(), region, spread_of(read_), width_);
   shape_ = window_.shape();
+  const Box both = intersect(window_.box(), map_.own());
+  around_ = both.count() == map_.own().count();
+  field_ = own_field_ = {};
   sum_.resize(window_.box().count());
+  own_sum_.resize(around_ ? 0 : map_.own().count());
 }
 
 void Reader::find(const Particles& p, const std::vector<int>& who, Places& places) const {
   find_places(window_, p, who, places);
 }
 
+Slot<FourNumbers> Reader::own_field(int group, int groups) {
+  if (around_) return {window_.box(), field_.data() + group, groups};
+  return {map_.own(), own_field_.data() + group, groups};
+}
+
+namespace {
+
+/// Component 3 of own nodes' groups; null: zero.
+void set_fourth(const Array3<double>* value, const Box& own, const Slot<FourNumbers>& to) {
+  if (own.empty()) return;
+  for (int k = own.lo[2]; k < own.hi[2]; ++k)
+    for (int j = own.lo[1]; j < own.hi[1]; ++j) {
+      FourNumbers* node = to.data + to.stride * to.index(own.lo[0], j, k);
+      const double* const row = value ? value->data() + value->index(own.lo[0], j, k) : nullptr;
+      for (int i = 0; i < own.size(0); ++i, node += to.stride) node->at[3] = row ? row[i] : 0.0;
+    }
+}
+
+}  // namespace
+
 void Reader::load(const Readable& fields, int groups) {
   const FaceField<FineGrid>* const faces[kMaxGroups] = {fields.velocity, fields.mean, fields.pressure};
   field_.resize(window_.box().count() * groups);
-  double* const first = field_.data()->at;
-  std::vector<const Array3<double>*> owner;
-  std::vector<Slot<double>> window;
-  auto add = [&](const Array3<double>& field, int value) {
-    owner.push_back(&field);
-    window.push_back({window_.box(), first + value, 4 * groups});
-  };
+  if (!around_) own_field_.resize(map_.own().count() * groups);
+  std::vector<Slot<FourNumbers>> own, window;
   for (int g = 0; g < groups; ++g) {
-    if (!faces[g]) continue;
-    if (node_field_[g][0].size() == 0)
-      for (auto& a : node_field_[g]) a.reset(map_.own());
-    map_.mean(*faces[g], node_field_[g]);
-    for (int d = 0; d < 3; ++d) add(node_field_[g][d], 4 * g + d);
+    own.push_back(own_field(g, groups));
+    window.push_back({window_.box(), field_.data() + g, groups});
+    if (faces[g]) map_.mean(*faces[g], own[g]);
+    set_fourth(g == 0 ? fields.eps : nullptr, map_.own(), own[g]);
   }
-  if (fields.eps) add(*fields.eps, 3);
-  if (int(owner.size()) < 3 * groups) std::fill(field_.begin(), field_.end(), FourNumbers{});
-  window_.bring<double>(owner, window);
+  window_.bring(own, window);
 }
 
 void Reader::clear_reaction() {
@@ -67,19 +81,14 @@ void Reader::clear_reaction() {
 }
 
 void Reader::collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back) {
-  std::vector<Slot<long long>> window;
-  for (int c = 0; c < kReactions; ++c) {
-    node_sum_[c].fill(0);
-    window.push_back({window_.box(), sum_.data()->at + c, 4});
+  const Slot<FourWholeNumbers> window{window_.box(), sum_.data(), 1};
+  Slot<FourWholeNumbers> own = window;
+  if (!around_) {
+    std::fill(own_sum_.begin(), own_sum_.end(), FourWholeNumbers{});
+    own = {map_.own(), own_sum_.data(), 1};
   }
-  window_.add(window, {&node_sum_[0], &node_sum_[1], &node_sum_[2], &node_sum_[3]});
-  for (int c = 0; c < kReactions; ++c) {
-    const FixedPoint& unit = scale[c < 3 ? 0 : 1];
-    for (std::size_t m = 0; m < node_sum_[c].size(); ++m)
-      node_reaction_[c].data()[m] = unit.value(node_sum_[c].data()[m]);
-  }
-  held_back = map_.spread({&node_reaction_[0], &node_reaction_[1], &node_reaction_[2]}, source);
-  map_.spread({&node_reaction_[3], &node_reaction_[3], &node_reaction_[3]}, beta);
+  window_.add(window, own);
+  held_back = map_.spread(own, scale, source, beta);
 }
 
 }  // namespace twogrid

@@ -90,7 +90,8 @@ class Reader {
   void collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back);
 
  private:
-  static constexpr int kReactions = 4, kMaxGroups = 3;
+  static constexpr int kMaxGroups = 3;
+  Slot<FourNumbers> own_field(int group, int groups);
 
   MPI_Comm comm_;
   Read read_;
@@ -98,11 +99,9 @@ class Reader {
   Map map_;
   Window window_;
   WindowShape shape_;
-  std::array<NodeVector<CellField<ParticleGrid>>, kMaxGroups> node_field_;  // own nodes; made when first wanted
-  std::vector<FourNumbers> field_;                                          // on the window, groups together
-  std::vector<FourWholeNumbers> sum_;                                       // on the window
-  std::array<Array3<long long>, kReactions> node_sum_;                      // own nodes
-  std::array<CellField<ParticleGrid>, kReactions> node_reaction_;           // own nodes
+  bool around_ = false;                         // the window lies around own nodes: their values have their place in it
+  std::vector<FourNumbers> field_, own_field_;  // on the window, groups together; own nodes' elsewhere
+  std::vector<FourWholeNumbers> sum_, own_sum_;  // the same
 };
 
 }  // namespace twogrid

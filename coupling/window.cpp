@@ -163,7 +163,17 @@ TWOGRID_VECTORISED void find_nodes(const Window& window, const Particles& p, con
     return;
   }
   const Window::UniformCells cells = window.uniform_cells();
-  for (std::size_t q = 0; q < n; ++q) node[q] = Window::node(cells, p.x[who[q]]);
+  std::size_t q = 0;
+  for (; q + 4 <= n; q += 4) {
+    const double* const x[4] = {p.x[who[q]], p.x[who[q + 1]], p.x[who[q + 2]], p.x[who[q + 3]]};
+    Four at{0, 0, 0, 0};
+    FourIntegers near{0, 0, 0, 0};
+    for (int d = 0; d < 3; ++d) Window::add_place(cells.d[d], Four{x[0][d], x[1][d], x[2][d], x[3][d]}, at, near);
+    for (int l = 0; l < 4; ++l) node[q + l] = std::ptrdiff_t(at[l]);
+    if ((near[0] | near[1] | near[2] | near[3]) != 0)
+      for (int l = 0; l < 4; ++l) node[q + l] = window.node(x[l]);
+  }
+  for (; q < n; ++q) node[q] = window.node(p.x[who[q]]);
 }
 
 TWOGRID_VECTORISED void find_corners(const Window& window, const Particles& p, const std::vector<int>& who,

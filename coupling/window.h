@@ -108,12 +108,10 @@ class Window {
     c.at = place(i[0], i[1], i[2]);
     return c;
   }
-  /// All directions uniform: node() with what it looks at in one place.
+  /// All directions uniform: node() of four particles at once, from one component of their positions at a time.
   struct UniformCells {
     struct Direction {
-      double first, per_width, last;
-      const double* edge;
-      std::ptrdiff_t stride;
+      double first, per_width, last, stride;
     } d[3];
   };
   UniformCells uniform_cells() const {
@@ -121,23 +119,27 @@ class Window {
     const WindowShape s = shape();
     for (int d = 0; d < 3; ++d) {
       const Span& a = span_[d];
-      c.d[d] = {a.node[0], a.inverse_width, double(a.hi - a.lo - 1), a.edge.data(),
-                d == 0   ? 1
-                : d == 1 ? s.row
-                         : s.slab};
+      const std::ptrdiff_t stride = d == 0 ? 1 : d == 1 ? s.row : s.slab;
+      c.d[d] = {a.node[0], a.inverse_width, double(a.hi - a.lo - 1), double(stride)};
     }
     return c;
   }
-  static std::ptrdiff_t node(const UniformCells& c, const double x[3]) {
-    std::ptrdiff_t at = 0;
-    for (int d = 0; d < 3; ++d) {
-      const UniformCells::Direction& a = c.d[d];
-      const int i = int(std::min(std::max((x[d] - a.first) * a.per_width, 0.0), a.last));
-      at += a.stride * (i + int(x[d] >= a.edge[i + 1]) - int(x[d] < a.edge[i]));
-    }
-    return at;
+  /// Adds the place along one direction to `at`; near is not zero where x lies so near a side of its node, or beyond
+  /// the window, that rounding has a say.
+  static void add_place(const UniformCells::Direction& c, const Four& x, Four& at, FourIntegers& near) {
+    constexpr double kNear = 1e-4;
+    const double end = c.last + 1;
+    Four t = (x - c.first) * c.per_width;
+    t = t > 0.0 ? t : Four{0, 0, 0, 0};
+    t = t < end ? t : Four{end, end, end, end};
+    Four i;
+    truncate(t, i);
+    i = i < c.last ? i : Four{c.last, c.last, c.last, c.last};
+    const Four within = t - i;
+    near |= (within < kNear) | (within > 1 - kNear);
+    at += i * c.stride;
   }
-  /// All directions uniform: corners of all three at once, as Span::between().
+  /// The same for corners, as Span::between().
   struct UniformPairs {
     Four origin, per_gap, first, last, end, stride;
   };
@@ -155,11 +157,11 @@ class Window {
     return p;
   }
   static void corners(const UniformPairs& a, const Four& x, Corners& c) {
-    typedef int FourInt __attribute__((vector_size(16)));
     Four t = (x - a.origin) * a.per_gap;
     t = t > a.first ? t : a.first;
     t = t < a.end ? t : a.end;
-    Four pair = __builtin_convertvector(__builtin_convertvector(t, FourInt), Four);
+    Four pair;
+    truncate(t, pair);
     pair = pair < a.last ? pair : a.last;
     const Four w = t - pair, at = (pair - a.first) * a.stride;
     for (int d = 0; d < 3; ++d) c.w[d] = w[d];
@@ -175,12 +177,12 @@ class Window {
   void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Array3<T>*>& window) const {
     exchange_.bring<T>(owner, window);
   }
-  template <class T>
-  void bring(const std::vector<const Array3<T>*>& owner, const std::vector<Slot<T>>& window) const {
-    exchange_.bring<T>(owner, window);
+  /// In groups; where own nodes lie within the window, both may be one memory.
+  void bring(const std::vector<Slot<FourNumbers>>& owner, const std::vector<Slot<FourNumbers>>& window) const {
+    exchange_.bring<FourNumbers>(owner, window);
   }
-  void add(const std::vector<Slot<long long>>& window, const std::vector<Array3<long long>*>& owner) const {
-    exchange_.add<long long>(window, owner);
+  void add(const Slot<FourWholeNumbers>& window, const Slot<FourWholeNumbers>& owner) const {
+    exchange_.add<FourWholeNumbers>({window}, {owner});
   }
   /// Owners += windows. Collective.
   void add(const std::vector<const Array3<long long>*>& window, const std::vector<Array3<long long>*>& owner) const {
@@ -188,6 +190,10 @@ class Window {
   }
 
  private:
+  static void truncate(const Four& t, Four& whole) {
+    typedef int FourInt __attribute__((vector_size(16)));
+    whole = __builtin_convertvector(__builtin_convertvector(t, FourInt), Four);
+  }
   void wide_weights(const double x[3], Stencil& s) const;
   std::ptrdiff_t place(int i, int j, int k) const {
     return i + std::ptrdiff_t(box_.size(0)) * (j + std::ptrdiff_t(box_.size(1)) * k);

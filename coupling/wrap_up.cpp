@@ -23,7 +23,7 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
   for (int d = 0; d < 3; ++d)
     if (p.period[d] > 0) period[d] = p.period[d], half[d] = 0.5 * p.period[d];
   const Four none{0, 0, 0, 0};
-  FourSums impulses, volumes;  // volumes: of all, of new ones
+  FourSums sums;  // impulses, volume
   Four sizes = none, largest = none, fastest = none, unbounded = none;
   double radius = survey.radius, minus_radius = survey.minus_radius, mass = survey.mass;
   const std::size_t n = who.size();
@@ -72,23 +72,25 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
 
     keep_largest_size(largest, given);
     keep_largest_size(fastest, flux);
-    impulses.add(impulse);
-    sizes += impulse < 0 ? -impulse : impulse;
+    Four to_sum = impulse, size;
+    to_sum[3] = volume;
+    sums.add(to_sum);
+    size_of(impulse, size);
+    sizes += size;
     unbounded += (x + v + impulse) * 0.0;
     radius = std::max(radius, p.radius[i]);
     minus_radius = std::max(minus_radius, -p.radius[i]);
     mass = std::max(mass, m);
-    volumes.add(Four{volume, 0, 0, 0});
   }
   survey.radius = radius, survey.minus_radius = minus_radius, survey.mass = mass;
   survey.reaction = std::max({survey.reaction, largest[0], largest[1], largest[2]});
   survey.response = std::max(survey.response, largest[3]);
   survey.flux_velocity = std::sqrt(fastest[0] * fastest[0] + fastest[1] * fastest[1] + fastest[2] * fastest[2]);
   for (int d = 0; d < 3; ++d) {
-    impulses.add_to(survey.impulse[d], d);
+    sums.add_to(survey.impulse[d], d);
     survey.impulse_size += sizes[d];
   }
-  volumes.add_to(survey.volume, 0);
+  sums.add_to(survey.volume, 3);
   survey.finite = survey.finite && unbounded[0] + unbounded[1] + unbounded[2] == 0;
 }
 
