@@ -26,10 +26,8 @@ SolidLimit::SolidLimit(MPI_Comm comm, const ParticleGrid& grid, const Layout& no
   for (Box& b : wanted)
     if (!b.empty()) b = b.grown(1);
   halo_ = BlockExchange(comm, nodes.all_cells(), wanted, grid.n(), grid.periodic());
+  with_halo_ = wanted[rank];
   most_.reset(own_);
-  room_.reset(wanted[rank]);
-  distance_.reset(wanted[rank]);
-  change_.reset(wanted[rank]);
 }
 
 SolidLimit::Result SolidLimit::operator()(const FixedPoint& scale, Array3<long long>& solid) {
@@ -59,6 +57,8 @@ SolidLimit::Result SolidLimit::operator()(const FixedPoint& scale, Array3<long l
     return result;
   }
 
+  if (room_.size() == 0)
+    for (auto* a : {&room_, &distance_, &change_}) a->reset(with_halo_);
   while (result.sweeps < kMaxSweeps) {
     for_each(own_, [&](int i, int j, int k) { room_(i, j, k) = most_(i, j, k) - solid(i, j, k); });
     halo_.bring<long long>(room_);

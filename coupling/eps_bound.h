@@ -36,11 +36,12 @@ class SolidLimit {
 
   MPI_Comm comm_;
   ParticleGrid grid_;
-  Box own_;
+  Box own_, with_halo_;  // a halo of one
   EpsBound kind_;
   double eps_min_;
   BlockExchange halo_;
-  Array3<long long> most_;      // a node may hold; own nodes and a halo of one
+  Array3<long long> most_;  // a node may hold; own nodes
+  // Own nodes and a halo of one, made when first a node holds more.
   Array3<long long> room_;      // most - solid
   Array3<long long> distance_;  // steps to the nearest node with room
   Array3<long long> change_;    // what one sweep brings

@@ -64,8 +64,12 @@ void set_fourth(const Array3<double>* value, const Box& own, const Slot<FourNumb
 
 void Reader::load(const Readable& fields, int groups) {
   const FaceField<FineGrid>* const faces[kMaxGroups] = {fields.velocity, fields.mean, fields.pressure};
-  field_.resize(window_.box().count() * groups);
-  if (!around_) own_field_.resize(map_.own().count() * groups);
+  const std::size_t values = window_.box().count() * groups;
+  if (field_.size() != values) {
+    field_ = own_field_ = {};  // first, so that old and new are never there together
+    field_.resize(values);
+    if (!around_) own_field_.resize(map_.own().count() * groups);
+  }
   std::vector<Slot<FourNumbers>> own, window;
   for (int g = 0; g < groups; ++g) {
     own.push_back(own_field(g, groups));

@@ -2,6 +2,7 @@
 """How cost and memory grow with the number of particles and of fine cells: 1e4 to 1e6 of each.
 
     scaling.py EXECUTABLE [--out FOLDER] [--largest N] [--quick]
+    scaling.py EXECUTABLE --thin        only: bytes a cell of a bed 40 x 8 cells wide, at ratio 4, 2 and 1 (a minute)
 
 A closed box of n x n x n spheres (1 mm, 2500 kg/m3) on a shaken lattice, solid fraction 0.45, random velocities up to 0.2 m/s, gas
 from below at 0.3 m/s; one rank; DEM step 1e-5 s, coupled every 10; particle cells of 4 spacings (64 spheres), trilinear deposit.
@@ -12,7 +13,8 @@ CPU seconds (user and system) of a run less those of a shorter one, so that star
 median of several pairs for small boxes. Particles: the same window of time for all sizes, DEM steps 50 to 150. Cells: the shares of
 fluid, map and deposit that the log states, a fluid step.
 Memory: peak resident set of the process. Bytes a cell: between the smallest and the largest of the cells' runs. Bytes a particle:
-between two boxes with 64 spheres a fine cell, less LIGGGHTS alone at the same sizes.
+between two boxes with 64 spheres a fine cell, less LIGGGHTS alone at the same sizes. Thin bed: between heights of 400 and 3200 cells with
+two spheres in them, less the same without gas (bins of neighbour lists).
 Exponents: slope of log cost against log size, least squares over all sizes. Wanted: at most 1.08; at most 400 bytes a fine cell, and 1000
 bytes a particle over LIGGGHTS alone. Writes scaling.csv and scaling.png into FOLDER (default: here). Some 10 minutes on one core, up to 3 GB.
 """
@@ -57,12 +59,18 @@ fix motion all nve/sphere
 """
 WALL = "fix {a}{i} all wall/gran model hooke/stiffness tangential history primitive type 1 {a}plane {at!r}\n"
 GAS = """
-fix gas all twogrid fine {n} {n} {n} ratio {r} {r} {r} density 1.2 viscosity 1.8e-5 every 10
+fix gas all twogrid fine {nx} {ny} {nz} ratio {r} {r} {r} density 1.2 viscosity 1.8e-5 every 10
 fix_modify gas deposit trilinear prolong constant read cell cfl 1
 fix_modify gas boundary zlo inlet 0 0 0.3 boundary zhi pressure 0 initial u 0 0 0.5
 fix_modify gas boundary xlo slip boundary xhi slip boundary ylo slip boundary yhi slip
 thermo_style custom step atoms ke f_gas[2] f_gas[3] f_gas[9] f_gas[10]
 """
+
+
+def gas_in(cells, r):
+    return GAS.format(nx=cells[0], ny=cells[1], nz=cells[2], r=r)
+
+
 SHARES = re.compile(r"shares of CPU time: DEM ([\d.]+) %, deposit ([\d.]+) %, map and read ([\d.]+) %, fluid ([\d.]+) %, forces ([\d.]+) %")
 FIELDS = ["series", "particles", "cells", "cpu_us", "share_dem", "share_deposit", "share_map", "share_fluid", "share_forces", "fluid_steps",
           "iterations", "peak_MB"]
@@ -91,8 +99,19 @@ class Boxes:
 
     def run(self, n, gas, options, steps):
         """CPU seconds, peak memory (bytes), output."""
-        walls = "".join(WALL.format(a=a, i=i, at=at) for a in "xyz" for i, at in enumerate((0.0, n * SPACING)))
-        script = SCENE.format(data=self.data(n), walls=walls) + gas + f"thermo 50\nthermo_modify lost error norm no\nrun {steps}\n"
+        return self.run_box(self.data(n), 3 * [n * SPACING], gas, options, steps)
+
+    def thin(self, cells, gas):
+        """Peak memory (bytes) of a bed of cells of 1 mm."""
+        size = [1e-3 * c for c in cells]
+        data = os.path.join(self.folder, "thin")
+        with open(data, "w") as f:
+            f.write(data_file(" ".join(f"0 {L!r}" for L in size), np.outer((0.3, 0.6), size), D, 2500, np.zeros((2, 3))))
+        return self.run_box(data, size, gas, [], 20)[1]
+
+    def run_box(self, data, size, gas, options, steps):
+        walls = "".join(WALL.format(a=a, i=i, at=at) for a, L in zip("xyz", size) for i, at in enumerate((0.0, L)))
+        script = SCENE.format(data=data, walls=walls) + gas + f"thermo 50\nthermo_modify lost error norm no\nrun {steps}\n"
         with open(os.path.join(self.folder, "in.box"), "w") as f:
             f.write(script)
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -155,13 +174,30 @@ def draw(rows, path):
     fig.savefig(path, dpi=100)
 
 
+def thin_bed(executable):
+    low, high = (40, 8, 400), (40, 8, 3200)
+    good = True
+    with tempfile.TemporaryDirectory() as folder:
+        b = Boxes(executable, folder)
+        alone = b.thin(high, "") - b.thin(low, "")
+        for r in (4, 2, 1):
+            more = b.thin(high, gas_in(high, r)) - b.thin(low, gas_in(low, r))
+            value = (more - alone) / (np.prod(high) - np.prod(low))
+            good &= bool(value <= 400)
+            print(f"{'ok  ' if value <= 400 else 'FAIL'} memory a fine cell, bed of 40 x 8 cells, ratio {r}: {value:.0f} bytes (wanted at most 400)", flush=True)
+    return good
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("executable")
     parser.add_argument("--out", default=os.path.dirname(os.path.abspath(__file__)))
     parser.add_argument("--largest", type=int, default=1000000, help="particles")
     parser.add_argument("--quick", action="store_true", help="small sizes, once: shows that it works")
+    parser.add_argument("--thin", action="store_true")
     a = parser.parse_args()
+    if a.thin:
+        sys.exit(0 if thin_bed(a.executable) else 1)
     sizes = (20, 32) if a.quick else [n for n in (20, 32, 48, 68, 100) if n**3 <= a.largest]
     rows, good = [], True
     with tempfile.TemporaryDirectory() as folder:
@@ -175,15 +211,15 @@ def main():
 
         # The cells first: they take least.
         for r, last in ((4, 1050), (8, 350)) if a.quick else ((4, 1050), (8, 350), (12, 150), (16, 150)):
-            rows.append(b.measure("cells", 24, (6 * r)**3, GAS.format(n=6 * r, r=r), [], FIRST, last, 1))
+            rows.append(b.measure("cells", 24, (6 * r)**3, gas_in(3 * [6 * r], r), [], FIRST, last, 1))
             save()
         lean = {}
         for n in (32, 48) if a.quick else (48, 68):
-            for name, gas, options in (("gas", GAS.format(n=n // 4, r=1), []), ("stock", "", ["-particles", "stock"])):
+            for name, gas, options in (("gas", gas_in(3 * [n // 4], 1), []), ("stock", "", ["-particles", "stock"])):
                 lean[n, name] = b.run(n, gas, options, 20)[1]
         for n in sizes:
             repeats = 1 if a.quick or n > 60 else {20: 7, 32: 3, 48: 1}[n]
-            rows.append(b.measure("coupled", n, n**3, GAS.format(n=n, r=4), [], FIRST, LAST, repeats))
+            rows.append(b.measure("coupled", n, n**3, gas_in(3 * [n], 4), [], FIRST, LAST, repeats))
             rows.append(b.measure("LIGGGHTS alone", n, 0, "", ["-particles", "stock"], FIRST, LAST, repeats))
             if n <= 68:
                 rows.append(b.measure("ours alone", n, 0, "", [], FIRST, LAST, repeats))
