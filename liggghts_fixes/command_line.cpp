@@ -62,7 +62,7 @@ CommandLine split_command_line(const std::vector<std::string>& words) {
         throw std::invalid_argument(
             "command line: found -particles at the end, wanted auto, stock or a kernel's name after it");
       c.particles = words[i++];
-    } else if (is_petsc(name) || name == "-balance") {
+    } else if (is_petsc(name) || name == "-balance" || name == "-skin") {
       c.petsc.push_back(name);
       if (i < words.size() && !is_switch(words[i])) c.petsc.push_back(words[i++]);
     } else {

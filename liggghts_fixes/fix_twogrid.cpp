@@ -300,6 +300,7 @@ void FixTwogrid::build() {
   check_patches_and_outlet(s.fluid, grid);
   SceneFacts facts = scene_facts(*lmp, groupbit);
   facts.still = still_;
+  if (best_skin_option()) choose_skin(facts);
   if (script_.every_auto) s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
   if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
   accuracy_ = Accuracy(s.accuracy, s.every, script_.every_auto, s.fluid.cfl, !s.cfl_given && s.fluid.dt == 0);
@@ -315,6 +316,16 @@ void FixTwogrid::build() {
   say(scene_report(s, script_.side_given, script_.every_auto, grid, facts));
   if (state_->recent_restart)
     warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
+}
+
+/// Before LIGGGHTS sets up its neighbour lists. Meshes have read the skin already.
+void FixTwogrid::choose_skin(SceneFacts& facts) {
+  for (int f = 0; f < modify->nfix; ++f)
+    if (std::string(modify->fix[f]->style).rfind("mesh", 0) == 0) return;
+  const double d = facts.d_mean;
+  if (!(d > 0) || (facts.skin >= kLeastSkin * d && facts.skin <= kMostSkin * d)) return;
+  facts.script_skin = facts.skin;
+  facts.skin = neighbor->skin = 0.5 * (kLeastSkin + kMostSkin) * d;
 }
 
 /// The fluid's bricks: where LIGGGHTS' are, to the particle cell, or its own (fluid_layout.h).

@@ -36,6 +36,8 @@ class FixPropertyAtom;
 
 namespace twogrid {
 
+struct SceneFacts;
+
 class FixTwogrid : public LAMMPS_NS::Fix {
  public:
   static constexpr const char* kStyle = "twogrid";
@@ -72,6 +74,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void find_motion();
   void find_watchers();
   void build();
+  void choose_skin(SceneFacts& facts);
   Layout fluid_layout(const FineGrid& grid) const;
   double reach() const;
   void open_output();

@@ -62,6 +62,16 @@ bool balance_option() {
   return on == PETSC_TRUE;
 }
 
+bool best_skin_option() {
+  char word[16] = "script";
+  PetscBool given = PETSC_FALSE;
+  PetscOptionsGetString(nullptr, nullptr, "-skin", word, sizeof word, &given);
+  const std::string skin = word;
+  if (skin != "best" && skin != "script")
+    throw std::invalid_argument("-skin: found '" + skin + "', wanted best or script after it");
+  return skin == "best";
+}
+
 std::string petsc_version() {
   return std::to_string(PETSC_VERSION_MAJOR) + "." + std::to_string(PETSC_VERSION_MINOR) + "." +
          std::to_string(PETSC_VERSION_SUBMINOR);

@@ -18,6 +18,8 @@ void start_petsc(const std::vector<std::string>& words);
 std::optional<std::array<int, 3>> fluid_bricks_option(int ranks);
 /// -balance on|off: whether the ranks' parts of the box follow the particles. On if not given.
 bool balance_option();
+/// -skin best|script: whether neighbour lists whose skin is far from the best get another. The script's if not given.
+bool best_skin_option();
 /// "3.18.1"
 std::string petsc_version();
 

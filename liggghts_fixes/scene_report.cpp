@@ -302,8 +302,12 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
                               std::to_string(100 - int(100 * dem / (dem + fluid))) + " %");
   }
   const double skins = facts.d_mean > 0 ? facts.skin / facts.d_mean : 0.0;
-  if (skins > 0 && (skins < 0.25 || skins > 0.7))  // measured: tests/bench/README.md
-    line("neighbour skin", brief(facts.skin) + " m, " + brief(skins) + " diameters; 0.25 to 0.7 diameters is fastest");
+  if (facts.script_skin > 0)
+    line("neighbour skin",
+         brief(facts.skin) + " m, " + brief(skins) + " diameters (the script's is " + brief(facts.script_skin) + " m)");
+  else if (skins > 0 && (skins < kLeastSkin || skins > kMostSkin))
+    line("neighbour skin", brief(facts.skin) + " m, " + brief(skins) +
+                               " diameters; 0.25 to 0.7 diameters is fastest (-skin best takes it so)");
   line("ranks", std::to_string(facts.ranks) + " as " + three(facts.bricks) +
                     (facts.fluid_bricks == facts.bricks ? "" : ", the fluid as " + three(facts.fluid_bricks)));
   if (s.output.every > 0) line("output", s.output.file + " every " + std::to_string(s.output.every) + " steps");

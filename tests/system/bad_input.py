@@ -147,6 +147,7 @@ wrong("a second fluid", ["second", "gas"], after="fix air all twogrid " + FIX)
 # on the command line
 wrong("bricks for other ranks", ["-fluid_bricks", "number of ranks"], options=["-fluid_bricks", "3,1,1"])
 wrong("two bricks", ["-fluid_bricks", "three numbers"], options=["-fluid_bricks", "1,1"])
+wrong("skin of no kind", ["-skin", "best or script", "wide"], options=["-skin", "wide"])
 wrong("balance of no kind", ["-balance", "on or off"], options=["-balance", "perhaps"])
 
 

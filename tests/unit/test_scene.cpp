@@ -127,14 +127,16 @@ TEST(SceneWarnings, EachHasItsCause) {
 
 TEST(SceneReportText, SkinFarFromTheBest) {
   const Settings s = scene();
-  const auto report = [&](double skin) {
+  const auto report = [&](double skin, double script = 0) {
     SceneFacts f = facts();
     f.skin = skin * f.d_mean;
+    f.script_skin = script * f.d_mean;
     return scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), f);
   };
   EXPECT_NE(report(0.1).find("0.1 diameters; 0.25 to 0.7"), std::string::npos);
   EXPECT_NE(report(0.9).find("0.9 diameters; 0.25 to 0.7"), std::string::npos);
   EXPECT_EQ(report(0.4).find("neighbour skin"), std::string::npos);
+  EXPECT_NE(report(0.4, 0.1).find("0.4 diameters (the script's is"), std::string::npos);
 }
 
 TEST(SceneReportText, SaysGridsSidesAndDefaults) {
