@@ -348,7 +348,7 @@ void Coupling::Impl::find_particles(const Particles& p) {
     if (within(p.x[i], inside_lo_, inside_hi_)) {
       inside_.push_back(i);
       covered_ &= reader_.window().covers(p.x[i]);
-    } else if (p.state[i][kDragCoefficient] > 0) {
+    } else if (p.step[i][kDragCoefficient] > 0) {
       leaving_.push_back(i);
     } else {
       set_outside(p, i);
@@ -360,6 +360,7 @@ void Coupling::Impl::find_particles(const Particles& p) {
 void Coupling::Impl::set_outside(const Particles& p, int i) {
   double* s = p.state[i];
   std::fill(s, s + kParticleColumns, 0.0);
+  std::fill(p.step[i], p.step[i] + kStepColumns, 0.0);
   s[kVoidFraction] = s[kKnown] = 1;
   for (int d = 0; d < 3; ++d) s[kPathVelocity + d] = p.v[i][d], s[kPosition + d] = p.x[i][d];
 }
@@ -373,7 +374,7 @@ void Coupling::Impl::end_interval(Particles& p, double interval, double dem_dt) 
     change_.assign(inside_.size(), {0, 0, 0});
     Vec3 pressure;
     for (std::size_t q = 0; q < inside_.size(); ++q)
-      if (p.state[inside_[q]][kDragCoefficient] > 0) motion().change_at(p.x[inside_[q]], change_[q], pressure);
+      if (p.step[inside_[q]][kDragCoefficient] > 0) motion().change_at(p.x[inside_[q]], change_[q], pressure);
     end.change = change_.data();
   }
   Survey mine;
@@ -381,7 +382,7 @@ void Coupling::Impl::end_interval(Particles& p, double interval, double dem_dt) 
   reader_.find(p, inside_, places_);
   for (int i : leaving_)
     for (int d = 0; d < 3; ++d) {
-      const double impulse = p.state[i][kImpulse + d];
+      const double impulse = p.step[i][kImpulse + d];
       mine.impulse[d] += impulse;
       mine.impulse_size += std::abs(impulse);
       mine.reaction = std::max(mine.reaction, std::abs(impulse) / interval);
@@ -405,9 +406,8 @@ long long Coupling::Impl::find_bad(const Particles& p, double& not_finite, doubl
   long long bad_tag = -1;
   for (const std::vector<int>* list : {&inside_, &leaving_})
     for (int i : *list) {
-      const double* s = p.state[i];
       double sum = 0;
-      for (int d = 0; d < 3; ++d) sum += p.x[i][d] + p.v[i][d] + s[kImpulse + d];
+      for (int d = 0; d < 3; ++d) sum += p.x[i][d] + p.v[i][d] + p.step[i][kImpulse + d];
       const bool finite = std::isfinite(sum);
       if (finite && (list == &leaving_ || reader_.window().covers(p.x[i]))) continue;
       ++(finite ? uncovered : not_finite);
@@ -572,9 +572,8 @@ void Coupling::Impl::react(const Particles& p, double interval) {
   add_reactions(reader_, p, inside_, places_, drag_, Four{force, force, force, coefficient});
   Stencil w;
   for (int i : leaving_) {
-    const double* s = p.state[i];
     Four q{0, 0, 0, 0};
-    for (int d = 0; d < 3; ++d) q[d] = scale[0].whole(-s[kImpulse + d] / interval);
+    for (int d = 0; d < 3; ++d) q[d] = scale[0].whole(-p.step[i][kImpulse + d] / interval);
     reader_.window().weights(p.x[i], w);
     reader_.react(w, q);
   }
@@ -733,7 +732,7 @@ void Coupling::Impl::rebuild_pressure_force(Particles& p) {
     double* s = p.state[i];
     motion().drag_at(p.x[i], beta, drag);
     const double volume = sphere_volume(p.radius[i]);
-    s[kResponse] = s[kDragCoefficient] + volume * beta;
+    s[kResponse] = p.step[i][kDragCoefficient] + volume * beta;
     for (int d = 0; d < 3; ++d) s[kPressureForce + d] += volume * drag[d];
   }
 }
@@ -755,7 +754,7 @@ void Coupling::Impl::remember_forces(const Particles& p) {
     const int i = inside_[q];
     const double* s = p.state[i];
     for (int d = 0; d < 3; ++d)
-      last_force_[q][d] = s[kDragCoefficient] * (drag_[q].seen[d] - p.v[i][d]) + s[kPressureForce + d];
+      last_force_[q][d] = p.step[i][kDragCoefficient] * (drag_[q].seen[d] - p.v[i][d]) + s[kPressureForce + d];
   }
 }
 
@@ -766,7 +765,7 @@ void Coupling::Impl::compare_forces(const Particles& p) {
     const int i = inside_[q];
     const double* s = p.state[i];
     for (int d = 0; d < 3; ++d) {
-      const double force = s[kDragCoefficient] * (s[kFluidVelocity + d] - p.v[i][d]) + s[kPressureForce + d];
+      const double force = p.step[i][kDragCoefficient] * (s[kFluidVelocity + d] - p.v[i][d]) + s[kPressureForce + d];
       const double jump = force - last_force_[q][d];
       sum[0] += 0.25 * jump * jump;
       sum[1] += force * force;

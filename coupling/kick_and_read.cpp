@@ -17,7 +17,7 @@ constexpr int kAhead = 8;
 struct Batch {
   static constexpr int kSize = 8 * kDragBatch;
   int n = 0;
-  double* row[kSize];  // state
+  double *row[kSize], *step[kSize];  // of state and step
   alignas(64) double eps[kSize], slip[kSize], speed[kSize], diameter[kSize], per_mass[kSize], size_ratio[kSize];
   alignas(64) double Re[kSize], F[kSize], b[kSize], response[kSize], decay[kSize];
   Four drag{0, 0, 0, 0}, coefficient{0, 0, 0, 0}, number{0, 0, 0, 0}, follow{0, 0, 0, 0}, fastest{0, 0, 0, 0};
@@ -68,11 +68,11 @@ inline void flush(Batch& c, const Taking& t) {
   const int n = c.n;
   finish<kA>(c, t);
   for (int l = 0; l < n; ++l) {
-    double* const s = c.row[l];
-    if (s[kDecay] == 0)
+    double *const s = c.row[l], *const step = c.step[l];
+    if (step[kDecay] == 0)
       for (int d = 0; d < 3; ++d) s[kLateForce + d] = 0;
-    four_at(s + kDragCoefficient) = Four{c.b[l], 0, 0, 0};  // and the impulse
-    s[kDecay] = c.decay[l];
+    four_at(step + kDragCoefficient) = Four{c.b[l], 0, 0, 0};  // and the impulse
+    step[kDecay] = c.decay[l];
     s[kResponse] = c.response[l];
     s[kSizeRatio] = c.size_ratio[l];
   }
@@ -95,10 +95,11 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
   const double interval = t.interval;
   t.reader.at_places(p, who, t.places, [&](std::size_t q, const auto& place) {
     const int i = who[q];
-    if (q + kAhead < n)
-      for (int column : {kVoidFraction, kStepVelocity, kResponse})
-        __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
-    double* const s = p.state[i];
+    if (q + kAhead < n) {
+      for (int column : {kVoidFraction, kResponse}) __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
+      __builtin_prefetch(p.step[who[q + kAhead]], 1);
+    }
+    double *const s = p.state[i], *const step = p.step[i];
     Four out[kGroups];
     gather<kGroups>(place, shape, field, out);
     Four v;
@@ -117,9 +118,9 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
     const double diameter = 2 * p.radius[i], eps = out[0][3];
     if (kA) four_at(s + kPressureForce) = sphere_volume(p.radius[i]) * out[2];
     four_at(s + kVoidFraction) = __builtin_shuffle(out[0], FourIntegers{3, 0, 1, 2});
-    four_at(s + kStepVelocity) = out[0];  // b of the next column follows
+    four_at(step + kStepVelocity) = out[0];  // b of the next column follows
     const int l = batch.n++;
-    batch.row[l] = s;
+    batch.row[l] = s, batch.step[l] = step;
     batch.eps[l] = eps;
     batch.slip[l] = slip2[0] + slip2[1] + slip2[2];
     batch.speed[l] = speed2[0] + speed2[1] + speed2[2];

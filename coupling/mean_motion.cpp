@@ -14,7 +14,7 @@ int rank_of(MPI_Comm comm) {
 }
 
 bool feels_drag(const Particles& p, int i) {
-  return p.takes_part(i) && p.state[i][kDragCoefficient] > 0;
+  return p.takes_part(i) && p.step[i][kDragCoefficient] > 0;
 }
 
 }  // namespace
@@ -122,7 +122,7 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
       scatter(stencil_, momentum_unit_.quantise(p.mass[i] * flux_velocity[q].at[d]), window_sum_[4 + d]);
     if (!drag) continue;
     const double* s = p.state[i];
-    const double b = s[kDragCoefficient];
+    const double b = p.step[i][kDragCoefficient];
     scatter(stencil_, b_unit.quantise(b), window_sum_[7]);
     for (int d = 0; d < 3; ++d)
       scatter(stencil_, force_unit.quantise(b * (s[kFluidVelocity + d] - p.v[i][d])), window_sum_[8 + d]);

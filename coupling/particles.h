@@ -5,25 +5,30 @@ namespace twogrid {
 
 /// Columns of the state that the coupling keeps with every particle. It migrates and restarts with the particle; a new
 /// particle's state is all zero. The first ten columns are, in this order, what a user sees as the per-atom array f_ID.
-/// A row of 32 columns is four cache lines; memory from malloc begins two columns into one, so that what a DEM step
-/// needs of a particle, columns 14 to 21, is a line, and what the end of an interval needs beside it, 22 to 29,
-/// another.
+/// A row is three cache lines; memory from malloc begins two columns into one, so that what the end of an interval
+/// needs, columns 14 to 21, is a line.
 enum ParticleColumn {
-  kDragForce = 0,         ///< 0-2 drag of the current step (N), where Particles::watched
-  kPressureForce = 3,     ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B
-  kVoidFraction = 6,      ///< 6 eps at the particle
-  kFluidVelocity = 7,     ///< 7-9 u read at the last coupling (m/s)
-  kLateForce = 10,        ///< 10-12 what the second half of a stiff step's force has over the first (N); else zero
-  kSizeRatio = 13,        ///< 13 diameter over the local Sauter mean
-  kStepVelocity = 14,     ///< 14-16 u again, beside what a DEM step needs with it
-  kDragCoefficient = 17,  ///< 17 b_p (kg/s)
-  kImpulse = 18,          ///< 18-20 momentum received from the fluid since the last coupling (kg m/s)
-  kDecay = 21,            ///< 21 phi(b_p dt/m) of StepForces; 0: not known, or the step is stiff
-  kPosition = 22,         ///< 22-24 x at the last coupling (m)
-  kPathVelocity = 25,     ///< 25-27 path / interval of the last coupling (m/s)
-  kResponse = 28,         ///< 28 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
-  kKnown = 29,            ///< 29 not 0: the particle was there at the last coupling
-  kParticleColumns = 32
+  kDragForce = 0,      ///< 0-2 drag of the current step (N), where Particles::watched
+  kPressureForce = 3,  ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B
+  kVoidFraction = 6,   ///< 6 eps at the particle
+  kFluidVelocity = 7,  ///< 7-9 u read at the last coupling (m/s)
+  kLateForce = 10,     ///< 10-12 what the second half of a stiff step's force has over the first (N); else zero
+  kSizeRatio = 13,     ///< 13 diameter over the local Sauter mean
+  kPosition = 14,      ///< 14-16 x at the last coupling (m)
+  kPathVelocity = 17,  ///< 17-19 path / interval of the last coupling (m/s)
+  kResponse = 20,      ///< 20 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
+  kKnown = 21,         ///< 21 not 0: the particle was there at the last coupling
+  kParticleColumns = 24
+};
+
+/// The part of the state that every DEM step needs lies by itself, one particle's beside the next one's: of rows of the
+/// above a step would fetch twice the memory.
+enum StepColumn {
+  kStepVelocity = 0,     ///< 0-2 u again
+  kDragCoefficient = 3,  ///< 3 b_p (kg/s)
+  kImpulse = 4,          ///< 4-6 momentum received from the fluid since the last coupling (kg m/s)
+  kDecay = 7,            ///< 7 phi(b_p dt/m) of StepForces; 0: not known, or the step is stiff
+  kStepColumns = 8
 };
 
 /// A view of this rank's own particles (no ghosts). Positions may lie up to half a skin outside the rank's box.
@@ -42,6 +47,7 @@ struct Particles {
   bool still = false;              ///< no particle of any rank moves
   bool watched = true;             ///< someone looks at the drag of this step; always so in set-up and where still
   double* const* state = nullptr;  ///< state[i][ParticleColumn]
+  double* const* step = nullptr;   ///< step[i][StepColumn]
   double period[3] = {0, 0, 0};    ///< of the box in its periodic directions (m), else 0
 
   /// Way in direction d since the last coupling (m), across periodic sides too.

@@ -7,7 +7,7 @@ namespace twogrid {
 
 namespace {
 
-/// The rows of many particles' state don't fit into the nearest caches: they are asked for so many particles ahead.
+/// Rows of many particles' state don't fit into the nearest caches: they are asked for so many particles ahead.
 constexpr int kAhead = 8;
 static_assert(kDragCoefficient == kStepVelocity + 3 && kImpulse == kDragCoefficient + 1 && kDecay == kImpulse + 3);
 
@@ -17,32 +17,31 @@ inline int add(const Particles& p, const PlainStep& step, int* left) {
   int count = 0;
   for (int i = 0; i < p.n; ++i) {
     if (!p.takes_part(i)) continue;
-    double* const s = p.state[i];
-    if (i + kAhead < p.n) {
-      __builtin_prefetch(p.state[i + kAhead] + kStepVelocity, 1);
-      if (kPressure || kWatched) __builtin_prefetch(p.state[i + kAhead] + kPressureForce, 1);
-    }
-    const double b = s[kDragCoefficient], decay = s[kDecay];
+    double* const step_state = p.step[i];
+    double* const s = kPressure || kWatched ? p.state[i] : nullptr;
+    if ((kPressure || kWatched) && i + kAhead < p.n) __builtin_prefetch(p.state[i + kAhead] + kPressureForce, 1);
+    const double b = step_state[kDragCoefficient], decay = step_state[kDecay];
     if (decay == 0) {
       left[count++] = i;
       continue;
     }
+    // Fourth numbers: b beside u, the next particle's beside f and v; what comes of them goes nowhere.
     double* const f = p.f[i];
-    const double *const v = p.v[i], *const u = s + kStepVelocity, *const pressure = s + kPressureForce;
-    const double buoyancy = step.lift * sphere_volume(p.radius[i]);
-    const Four other = Four{f[0], f[1], f[2], 0} + buoyancy * g;
-    const Four pressed{pressure[0], pressure[1], pressure[2], 0};
+    const bool last = i + 1 == p.n;
+    Four other, v;
+    three_at(f, last, other);
+    three_at(p.v[i], last, v);
+    other += step.lift * sphere_volume(p.radius[i]) * g;
     Four force = other;
-    if (kPressure) force += pressed;
-    force = (force + b * (Four{u[0], u[1], u[2], 0} - Four{v[0], v[1], v[2], 0})) * decay;
+    if (kPressure) force += four_at(s + kPressureForce);
+    force = (force + b * (four_at(step_state + kStepVelocity) - v)) * decay;
     const Four received = force - other;
-    const Four drag = kPressure ? received - pressed : received;
-    const Four impulse = received * step.dt;
-    for (int d = 0; d < 3; ++d) {
-      s[kImpulse + d] += impulse[d];
-      if (kWatched) s[kDragForce + d] = drag[d];
-      f[d] = force[d];
-    }
+    Four impulse = received * step.dt;
+    impulse[3] = 0;  // of the decay
+    four_at(step_state + kImpulse) += impulse;
+    if (kWatched)
+      for (int d = 0; d < 3; ++d) s[kDragForce + d] = kPressure ? received[d] - s[kPressureForce + d] : received[d];
+    for (int d = 0; d < 3; ++d) f[d] = force[d];
   }
   return count;
 }

@@ -46,15 +46,15 @@ void StepForces::plain(Particles& p, double dem_dt) {
 void StepForces::find_decay(Particles& p, double dem_dt) {
   decay_dt_ = dem_dt;
   for (int i = 0; i < p.n; ++i)
-    if (p.takes_part(i)) p.state[i][kDecay] = decay(p.state[i][kDragCoefficient], 1 / p.mass[i]);
+    if (p.takes_part(i)) p.step[i][kDecay] = decay(p.step[i][kDragCoefficient], 1 / p.mass[i]);
 }
 
 template <bool kHolding, bool kHeld>
 void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMotion* holding) {
   const double lift = -density_;
   Vec3 c{0, 0, 0}, pressure{0, 0, 0};
-  double* s = p.state[i];
-  const double b = s[kDragCoefficient];
+  double *s = p.state[i], *impulse = p.step[i] + kImpulse;
+  const double b = p.step[i][kDragCoefficient];
   const double sphere = sphere_volume(p.radius[i]), buoyancy = b > 0 ? lift * sphere : 0.0;
   double volume = 0, response = b;
   if (kHolding && b > 0) {
@@ -80,9 +80,9 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
   for (int d = 0; d < 3; ++d) {
     const double received = 0.5 * (first[d] + second[d]) - other[d];
     // In set-up the force is applied for half a step, in place of the half step that the last one would have had.
-    s[kImpulse + d] +=
-        accumulate ? received * dem_dt
-                   : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] - 0.5 * s[kLateForce + d]);
+    impulse[d] += accumulate
+                      ? received * dem_dt
+                      : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] - 0.5 * s[kLateForce + d]);
     s[kDragForce + d] = received - s[kPressureForce + d];
     s[kLateForce + d] = second[d] - first[d];
     if (!kHeld || !p.is_frozen(i)) p.f[i][d] = first[d];

@@ -29,15 +29,17 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
   const std::size_t n = who.size();
   for (std::size_t q = 0; q < n; ++q) {
     const int i = who[q];
-    if (q + kAhead < n)
-      for (int column : {kStepVelocity, kPosition}) __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
-    double* const s = p.state[i];
+    if (q + kAhead < n) {
+      __builtin_prefetch(p.state[who[q + kAhead]] + kPosition, 1);
+      __builtin_prefetch(p.step[who[q + kAhead]], 1);
+    }
+    double *const s = p.state[i], *const step = p.step[i];
     Four x, v;
     three_at(p.x[i], i + 1 == p.n, x);
     three_at(p.v[i], i + 1 == p.n, v);
     if (end.repeated > 0)
-      for (int d = 0; d < 3; ++d) s[kImpulse + d] += end.repeated * (s[kDragForce + d] + s[kPressureForce + d]);
-    const Four impulse = four_at(s + kImpulse), u = four_at(s + kStepVelocity);
+      for (int d = 0; d < 3; ++d) step[kImpulse + d] += end.repeated * (s[kDragForce + d] + s[kPressureForce + d]);
+    const Four impulse = four_at(step + kImpulse), u = four_at(step + kStepVelocity);
     const double m = p.mass[i], b = s[kResponse];
     const double per_mass = held && p.held(i) ? 0.0 : 1 / m;
     const double response = b * mean_decay(b * end.interval * per_mass);
@@ -115,6 +117,7 @@ void begin(const Particles& p, const std::vector<int>& who, std::vector<Implicit
            std::vector<FourNumbers>& flux_velocity, Survey& survey) {
   for (int i : who) {
     std::fill(p.state[i], p.state[i] + kParticleColumns, 0.0);
+    std::fill(p.step[i], p.step[i] + kStepColumns, 0.0);
     for (int d = 0; d < 3; ++d) p.state[i][kPosition + d] = p.x[i][d];
   }
   wrap_up(p, who, {1, 0, 0, nullptr}, drag, flux_velocity, survey);

@@ -30,7 +30,9 @@ void move_behind_forces(LAMMPS_NS::LAMMPS& lammps, const char* style) {
   for (int i = 0; i < n; ++i) {
     if (std::string(modify.fix[i]->style) != style) continue;
     own.push_back(modify.fix[i]->id);
-    own.push_back(own.back() + "_state");
+    const std::string id = own.back();
+    own.push_back(id + "_state");
+    own.push_back(id + "_step");
   }
   const auto moves = [&](int i) { return std::find(own.begin(), own.end(), modify.fix[i]->id) != own.end(); };
 

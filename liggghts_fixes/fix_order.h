@@ -7,9 +7,9 @@ class LAMMPS;
 
 namespace twogrid {
 
-/// Moves all fixes of the style, each followed by its fix property/atom of id "<id>_state", behind the last fix that
-/// adds forces. Fixes that overwrite forces (freeze, setforce, ...) and come last keep their place behind. The indices
-/// that Atom holds are moved along. Only between runs. Not collective (the list is the same on all ranks).
+/// Moves all fixes of the style, each followed by its fixes property/atom "<id>_state" and "<id>_step", behind the last
+/// fix that adds forces. Fixes that overwrite forces (freeze, setforce, ...) and come last keep their place behind. The
+/// indices that Atom holds are moved along. Only between runs. Not collective (the list is the same on all ranks).
 void move_behind_forces(LAMMPS_NS::LAMMPS& lammps, const char* style);
 
 }  // namespace twogrid

@@ -155,26 +155,33 @@ BoxFacts FixTwogrid::box_facts() const {
   return box;
 }
 
-void FixTwogrid::post_create() {
-  if (state_) return;
-  const std::string name = std::string(id) + "_state";
+/// A fix property/atom "ID_name" of so many values a particle, all zero at first. A restart file's are taken over.
+FixPropertyAtom* FixTwogrid::keep_with_particles(const std::string& what, int columns) {
+  const std::string name = std::string(id) + "_" + what;
   guarded([&] {
     const int kept = values_in_restart(*modify, name);
-    if (kept >= 0 && kept != kParticleColumns)
+    if (kept >= 0 && kept != columns)
       throw std::invalid_argument("the restart file holds " + std::to_string(kept) +
-                                  " values a particle for this fix, wanted " + std::to_string(kParticleColumns) +
+                                  " values a particle for this fix, wanted " + std::to_string(columns) +
                                   ": another version of twogrid has written it; give the fix another ID, and what it "
                                   "knows of the particles begins anew");
   });
   std::vector<std::string> words{name, "all", "property/atom", name, "vector", "yes", "no", "no"};
-  words.insert(words.end(), kParticleColumns, "0.");
+  words.insert(words.end(), columns, "0.");
   std::vector<char*> pointers;
   for (std::string& w : words) pointers.push_back(w.data());
   // LIGGGHTS warns of vectors longer than 20 by a text that is of no use to anyone here.
   FILE *const shown = screen, *const logged = logfile;
   screen = logfile = nullptr;
-  state_ = modify->add_fix_property_atom(int(pointers.size()), pointers.data(), style);
+  FixPropertyAtom* const made = modify->add_fix_property_atom(int(pointers.size()), pointers.data(), style);
   screen = shown, logfile = logged;
+  return made;
+}
+
+void FixTwogrid::post_create() {
+  if (state_) return;
+  state_ = keep_with_particles("state", kParticleColumns);
+  step_ = keep_with_particles("step", kStepColumns);
   // This fix's grow_arrays has to be called after the state's, so that it finds the new array.
   int* const grow = atom->extra_grow;
   int* const own = std::find(grow, grow + atom->nextra_grow, modify->find_fix(id));
@@ -184,8 +191,9 @@ void FixTwogrid::post_create() {
 
 void FixTwogrid::pre_delete(bool unfix) {
   if (unfix && state_) {
+    modify->delete_fix((std::string(id) + "_step").c_str(), true);
     modify->delete_fix((std::string(id) + "_state").c_str(), true);
-    state_ = nullptr;
+    state_ = step_ = nullptr;
   }
 }
 
@@ -404,6 +412,7 @@ Particles FixTwogrid::particles() {
   p.watched = watchers_ || still_ || update->ntimestep == output->next || update->ntimestep == update->laststep ||
               (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_);
   p.state = state_->array_atom;
+  p.step = step_->array_atom;
   for (int d = 0; d < 3; ++d)
     if (domain->periodicity[d]) p.period[d] = domain->prd[d];
   return p;

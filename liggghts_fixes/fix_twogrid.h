@@ -11,8 +11,8 @@
 //   run ends     post_run       means written, shares of time
 //
 // f_ID is a per-atom array: drag 1-3 (N), pressure gradient force 4-6 (N), eps 7, fluid velocity 8-10 (m/s); it is the
-// first ten columns of the particles' state, which fix property/atom "ID_state" holds. f_ID[1..10] as a vector: see
-// coupling.h, Report.
+// first ten columns of the particles' state, which fix property/atom "ID_state" holds ("ID_step": what each step
+// needs). f_ID[1..10] as a vector: see coupling.h, Report.
 #pragma once
 
 #include <fix.h>
@@ -66,6 +66,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   /// f(), with the fix's name and the step in front of the sentence of any exception.
   template <class F>
   auto guarded(F&& f) -> decltype(f());
+  LAMMPS_NS::FixPropertyAtom* keep_with_particles(const std::string& what, int columns);
   void refuse_what_cannot_be_served() const;
   BoxFacts box_facts() const;
   Vec3 velocity_now(int side, std::size_t condition) const;
@@ -89,7 +90,8 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::string script_text() const;
 
   Script script_;
-  LAMMPS_NS::FixPropertyAtom* state_ = nullptr;  // owned by LIGGGHTS; kParticleColumns a particle
+  // Owned by LIGGGHTS: kParticleColumns and kStepColumns values a particle.
+  LAMMPS_NS::FixPropertyAtom *state_ = nullptr, *step_ = nullptr;
   std::unique_ptr<FluidSolver> fluid_;
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<Output> output_;  // null: none wanted

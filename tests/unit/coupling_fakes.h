@@ -154,7 +154,8 @@ struct Bodies {
   std::vector<double> radius, mass;
   std::vector<int> tag;
   std::vector<std::array<double, kParticleColumns>> state;
-  std::vector<double*> rows;
+  std::vector<std::array<double, kStepColumns>> step;
+  std::vector<double*> rows, step_rows;
 
   void add(const Vec3& at, double r, double density, const Vec3& velocity = {0, 0, 0}, int id = 0) {
     x.push_back(at);
@@ -164,10 +165,12 @@ struct Bodies {
     mass.push_back(density * 4.18879020478639098462 * r * r * r);
     tag.push_back(id);
     state.push_back({});
+    step.push_back({});
   }
   Particles view() {
-    rows.clear();
+    rows.clear(), step_rows.clear();
     for (auto& s : state) rows.push_back(s.data());
+    for (auto& s : step) step_rows.push_back(s.data());
     Particles p;
     p.n = int(x.size());
     p.x = reinterpret_cast<double(*)[3]>(x.data());
@@ -177,6 +180,7 @@ struct Bodies {
     p.mass = mass.data();
     p.tag = tag.data();
     p.state = rows.data();
+    p.step = step_rows.data();
     return p;
   }
 };

@@ -368,7 +368,7 @@ TEST(CouplingInsertion, ReplacesFluid) {
   EXPECT_EQ(s.coupling->report().volume_inserted, 0);
   EXPECT_LT(worst, 1e-10);
   if (!s.bodies.x.empty() && s.bodies.tag.back() == 2) {
-    EXPECT_GT(s.bodies.state.back()[kDragCoefficient], 0);
+    EXPECT_GT(s.bodies.step.back()[kDragCoefficient], 0);
     s.bodies = Bodies();
   }
   s.advance(5);
@@ -397,7 +397,8 @@ TEST(CouplingInsertion, ParticleThatComesInIsNotInserted) {
     EXPECT_EQ(sources, 0) << "was inside: " << was_inside;
     EXPECT_EQ(s.coupling->report().particles, 1);
     EXPECT_EQ(s.coupling->report().volume_inserted, 0);
-    for (auto& state : s.bodies.state) EXPECT_NEAR(state[kPathVelocity + 2], -0.2 / 5e-3, 1e-10) << "was inside: " << was_inside;
+    for (auto& state : s.bodies.state)
+      EXPECT_NEAR(state[kPathVelocity + 2], -0.2 / 5e-3, 1e-10) << "was inside: " << was_inside;
   }
 }
 
@@ -422,9 +423,9 @@ TEST(CouplingLedger, LeavingParticleSettlesItsAccount) {
   EXPECT_LT(all, 0);
   EXPECT_LE(s.coupling->report().momentum_error, 1e-14);
   EXPECT_EQ(s.coupling->report().particles, 0);
-  for (auto& state : s.bodies.state) {
-    EXPECT_EQ(state[kDragCoefficient], 0);
-    EXPECT_EQ(state[kImpulse + 2], 0);
+  for (auto& step : s.bodies.step) {
+    EXPECT_EQ(step[kDragCoefficient], 0);
+    EXPECT_EQ(step[kImpulse + 2], 0);
   }
 }
 
@@ -489,7 +490,7 @@ TEST(CouplingPolydisperse, SizeRatioIsThatOfTheNodesSauterMean) {
         double slip = 0;
         for (int c = 0; c < 3; ++c) slip += std::pow(state[kFluidVelocity + c] - s.bodies.v[q][c], 2);
         const double b = drag_coefficient(*find_drag_law("beetstra/poly"), eps, d, std::sqrt(slip), 1.2, 1e-2, y);
-        EXPECT_NEAR(state[kDragCoefficient] / (form == Formulation::kA ? b : b / eps), 1, 1e-12);
+        EXPECT_NEAR(s.bodies.step[q][kDragCoefficient] / (form == Formulation::kA ? b : b / eps), 1, 1e-12);
       }
     };
     verify();
