@@ -345,8 +345,8 @@ void Coupling::Impl::find_particles(const Particles& p) {
   covered_ = true;
   const std::size_t sure = inside_.size();
   for (int i : others_)
-    if (within(p.x[i], inside_lo_, inside_hi_)) {
-      inside_.push_back(i);
+    if (within(p.x[i], inside_lo_, inside_hi_) || !std::isfinite(p.x[i][0] + p.x[i][1] + p.x[i][2])) {
+      inside_.push_back(i);  // what is not finite too: reduce() speaks of it
       covered_ &= reader_.window().covers(p.x[i]);
     } else if (p.step[i][kDragCoefficient] > 0) {
       leaving_.push_back(i);

@@ -231,12 +231,15 @@ inline void between_blocks(int i, int n, int r, const double* node, std::ptrdiff
   const int end = i + n;
   for (node += i / r; i < end; ++node) {
     const int next = std::min(end, i - i % r + r);
-    double value = *node;
-    if (kNormal && i % r == 0)
-      *out++ = above[i] > 0 ? above[i] * value + (1 - above[i]) * node[-1] : node[-1], ++i;
-    else if (!kNormal && *above < 1)
-      value = *above > 0 ? *above * value + (1 - *above) * node[-down] : node[-down];
-    for (; i < next; ++i) *out++ = value;
+    // Above the last face there is no node.
+    const double first = kNormal ? above[i] : *above;
+    const double value = first >= 1 ? *node : first > 0 ? first * *node + (1 - first) * node[-down] : node[-down];
+    if (!kNormal) {
+      for (; i < next; ++i) *out++ = value;
+      continue;
+    }
+    *out++ = value, ++i;
+    for (; i < next; ++i) *out++ = *node;
   }
 }
 

@@ -33,7 +33,6 @@ void Reader::move_region(const ParticleRegion& region) {
   shape_ = window_.shape();
   const Box both = intersect(window_.box(), map_.own());
   around_ = both.count() == map_.own().count();
-  field_ = own_field_ = {};
   sum_.resize(window_.box().count());
   own_sum_.resize(around_ ? 0 : map_.own().count());
 }
@@ -49,14 +48,17 @@ Slot<FourNumbers> Reader::own_field(int group, int groups) {
 
 namespace {
 
-/// Component 3 of own nodes' groups; null: zero.
-void set_fourth(const Array3<double>* value, const Box& own, const Slot<FourNumbers>& to) {
+/// Component 3 of own nodes' groups; null: zero. first_too: components 0-2 become zero.
+void set_rest(const Array3<double>* value, bool first_too, const Box& own, const Slot<FourNumbers>& to) {
   if (own.empty()) return;
   for (int k = own.lo[2]; k < own.hi[2]; ++k)
     for (int j = own.lo[1]; j < own.hi[1]; ++j) {
       FourNumbers* node = to.data + to.stride * to.index(own.lo[0], j, k);
       const double* const row = value ? value->data() + value->index(own.lo[0], j, k) : nullptr;
-      for (int i = 0; i < own.size(0); ++i, node += to.stride) node->at[3] = row ? row[i] : 0.0;
+      for (int i = 0; i < own.size(0); ++i, node += to.stride) {
+        if (first_too) node->at[0] = node->at[1] = node->at[2] = 0;
+        node->at[3] = row ? row[i] : 0.0;
+      }
     }
 }
 
@@ -65,17 +67,15 @@ void set_fourth(const Array3<double>* value, const Box& own, const Slot<FourNumb
 void Reader::load(const Readable& fields, int groups) {
   const FaceField<FineGrid>* const faces[kMaxGroups] = {fields.velocity, fields.mean, fields.pressure};
   const std::size_t values = window_.box().count() * groups;
-  if (field_.size() != values) {
-    field_ = own_field_ = {};  // first, so that old and new are never there together
-    field_.resize(values);
-    if (!around_) own_field_.resize(map_.own().count() * groups);
-  }
+  if (field_.capacity() < values) std::vector<FourNumbers>().swap(field_);  // old and new are never there together
+  field_.resize(values);
+  own_field_.resize(around_ ? 0 : map_.own().count() * groups);
   std::vector<Slot<FourNumbers>> own, window;
   for (int g = 0; g < groups; ++g) {
     own.push_back(own_field(g, groups));
     window.push_back({window_.box(), field_.data() + g, groups});
     if (faces[g]) map_.mean(*faces[g], own[g]);
-    set_fourth(g == 0 ? fields.eps : nullptr, map_.own(), own[g]);
+    set_rest(g == 0 ? fields.eps : nullptr, !faces[g], map_.own(), own[g]);
   }
   window_.bring(own, window);
 }

@@ -49,11 +49,12 @@ class Window {
     bool periodic = false, uniform = false;
     double inverse_width = 0;  ///< mean nodes per metre
 
-    /// Index of the node that holds x, lo <= x < hi; the outermost node of the window where x lies beyond.
+    /// Index of the node that holds x, lo <= x < hi; the outermost node of the window where x lies beyond. (Not a
+    /// number: the first. Such a particle ends the run, but not before all have been looked at.)
     int find(double x) const {
       if (!uniform) return find_stretched(x);
       const double last = hi - lo - 1;
-      const int i = int(std::min(std::max((x - node[0]) * inverse_width, 0.0), last));
+      const int i = int(std::min(std::max(0.0, (x - node[0]) * inverse_width), last));
       // Rounding of the product must not put x on the wrong side of a node. (No branches: they can't be foreseen.)
       return i + lo + int(x >= edge[i + 1]) - int(x < edge[i]);
     }
@@ -62,7 +63,7 @@ class Window {
     /// upper one. Beyond the outermost centre all weight is with that node. (A single node: it, and zero.)
     void between(double x, int& lower, double& w) const {
       if (!uniform) return between_stretched(x, lower, w);
-      const double t = std::min(std::max((x - pair_origin) * per_gap, first_pair), end_pair);
+      const double t = std::min(std::max(first_pair, (x - pair_origin) * per_gap), end_pair);
       const double pair = std::min(double(int(t)), last_pair);
       lower = int(pair - first_pair);
       w = t - pair;

@@ -47,7 +47,7 @@ void move_behind_forces(LAMMPS_NS::LAMMPS& lammps, const char* style) {
   }
   if (last_force < first_own) return;
 
-  // new order: what stays up to last_force, then what moves (a fix before its state), then the rest
+  // new order: what stays up to last_force, then what moves (a fix before what it keeps), then the rest
   std::vector<int> order;
   for (int i = 0; i <= last_force; ++i)
     if (!moves(i)) order.push_back(i);

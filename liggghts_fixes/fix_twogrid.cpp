@@ -287,6 +287,7 @@ void FixTwogrid::init() {
     find_motion();
     find_watchers();
     if (!(update->dt > 0)) refuse("timestep", text(update->dt), "a DEM step above 0 (s)");
+    if (chosen_skin_ > 0) neighbor->skin = chosen_skin_;  // whatever the script has said since
     if (!fluid_) build();
     coupling_->set_gravity(scene_facts(*lmp, groupbit).gravity);
     resolve_names();
@@ -331,9 +332,11 @@ void FixTwogrid::choose_skin(SceneFacts& facts) {
   for (int f = 0; f < modify->nfix; ++f)
     if (std::string(modify->fix[f]->style).rfind("mesh", 0) == 0) return;
   const double d = facts.d_mean;
-  if (!(d > 0) || (facts.skin >= kLeastSkin * d && facts.skin <= kMostSkin * d)) return;
+  // A wide skin may be there for lists that are looked at late.
+  if (!(d > 0) || (facts.skin >= kLeastSkin * d && (facts.skin <= kMostSkin * d || !prompt_lists()))) return;
   facts.script_skin = facts.skin;
-  facts.skin = neighbor->skin = 0.5 * (kLeastSkin + kMostSkin) * d;
+  facts.skin = chosen_skin_ = 0.5 * (kLeastSkin + kMostSkin) * d;
+  neighbor->skin = chosen_skin_;
 }
 
 /// The fluid's bricks: where LIGGGHTS' are, to the particle cell, or its own (fluid_layout.h).
@@ -368,8 +371,12 @@ Layout FixTwogrid::fluid_layout(const FineGrid& grid) const {
 /// How far outside its rank's box a particle may lie (m): LIGGGHTS exchanges particles when one has moved half a skin.
 /// Where it may look late (neigh_modify delay or every), a whole skin.
 double FixTwogrid::reach() const {
-  const bool prompt = neighbor->every == 1 && neighbor->delay == 0 && neighbor->dist_check;
-  return (prompt ? 0.5 : 1.0) * neighbor->skin;
+  return (prompt_lists() ? 0.5 : 1.0) * neighbor->skin;
+}
+
+/// Whether LIGGGHTS looks at every step if its neighbour lists still hold.
+bool FixTwogrid::prompt_lists() const {
+  return neighbor->every == 1 && neighbor->delay == 0 && neighbor->dist_check;
 }
 
 void FixTwogrid::open_output() {

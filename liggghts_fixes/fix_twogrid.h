@@ -76,6 +76,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void find_watchers();
   void build();
   void choose_skin(SceneFacts& facts);
+  bool prompt_lists() const;
   Layout fluid_layout(const FineGrid& grid) const;
   double reach() const;
   void open_output();
@@ -90,6 +91,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::string script_text() const;
 
   Script script_;
+  double chosen_skin_ = 0;  // of -skin best (m); 0: the script's stays
   // Owned by LIGGGHTS: kParticleColumns and kStepColumns values a particle.
   LAMMPS_NS::FixPropertyAtom *state_ = nullptr, *step_ = nullptr;
   std::unique_ptr<FluidSolver> fluid_;

@@ -302,7 +302,7 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
                               std::to_string(100 - int(100 * dem / (dem + fluid))) + " %");
   }
   const double skins = facts.d_mean > 0 ? facts.skin / facts.d_mean : 0.0;
-  if (facts.script_skin > 0)
+  if (facts.script_skin >= 0)
     line("neighbour skin",
          brief(facts.skin) + " m, " + brief(skins) + " diameters (the script's is " + brief(facts.script_skin) + " m)");
   else if (skins > 0 && (skins < kLeastSkin || skins > kMostSkin))

@@ -18,10 +18,10 @@ struct WallFacts {
   std::array<double, 6> bounds{};  ///< meshes: xlo xhi ylo yhi zlo zhi (m)
 };
 
-/// What LIGGGHTS knows about the scene; the same on all ranks.
 /// Skins between these cost the same, others up to twice as much (mean diameters; measured: tests/bench/README.md).
 constexpr double kLeastSkin = 0.25, kMostSkin = 0.7;
 
+/// What LIGGGHTS knows about the scene; the same on all ranks.
 struct SceneFacts {
   long long particles = 0;                  ///< in the fix's group
   double d_min = 0, d_mean = 0, d_max = 0;  ///< m; of the templates where there are no particles yet; 0: unknown
@@ -29,7 +29,7 @@ struct SceneFacts {
   Vec3 gravity{0, 0, 0};                    ///< m/s2
   double dem_dt = 0;                        ///< s
   double skin = 0;                          ///< of LIGGGHTS' neighbour lists (m); 0: unknown
-  double script_skin = 0;                   ///< the script's, where -skin best has taken another (m)
+  double script_skin = -1;                  ///< the script's, where -skin best has taken another (m); else -1
   double contact_time = 0;                  ///< s; 0: unknown
   std::string contact_time_from;            ///< how it was found
   std::string contacts;                     ///< what evaluates them; empty: no granular pair style

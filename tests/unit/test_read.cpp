@@ -185,8 +185,8 @@ TEST(Reading, ReactionIsTheTransposeOnAnyRanks) {
 // Nodes and corners are short forms of a stencil: the same weights, and whole numbers that arrive in full.
 TEST(Reading, ShortPlacesAreStencils) {
   for (Read read : {Read::kCell, Read::kTrilinear})
-    for (int sides = 0; sides < 2; ++sides) {
-      ReadScene s(MPI_COMM_WORLD, read, {sides == 1, false, sides == 1}, 1.08);
+    for (int sides = 0; sides < 4; ++sides) {
+      ReadScene s(MPI_COMM_WORLD, read, {sides % 2 == 1, false, sides % 2 == 1}, sides < 2 ? 1.08 : 1.0);
       const Window& window = s.reader->window();
       std::vector<FourNumbers> field(window.box().count());
       std::mt19937 random(3);
@@ -213,6 +213,37 @@ TEST(Reading, ShortPlacesAreStencils) {
       EXPECT_EQ(all[1], -3 * n);
       EXPECT_EQ(all[2], 7654321 * n);
       EXPECT_EQ(all[3], n * (n - 1) / 2);
+    }
+}
+
+// On sides of nodes, beyond the window, and where the position is not a number, the way for many particles at once
+// takes the same node as that for one. A wild index would end the run without a word.
+TEST(Reading, NodesOfManyAtOnceAreThoseOfOne) {
+  const double nan = std::nan("");
+  for (double stretch : {1.0, 1.08})
+    for (bool periodic : {false, true}) {
+      ReadScene s(MPI_COMM_WORLD, Read::kCell, {periodic, periodic, periodic}, stretch);
+      const Window& window = s.reader->window();
+      Bodies bodies;
+      for (int q = 0; q < 16; ++q)
+        for (double off : {0.0, 1e-17, -1e-16, 1e-9, -1e-9, 0.3})
+          bodies.add({window.span(0).node[q % window.span(0).node.size()] + off,
+                      window.span(1).node[q % window.span(1).node.size()] - off,
+                      window.span(2).node[q % window.span(2).node.size()] + off},
+                     0.01, 1000);
+      bodies.add({-1e9, 1e9, 0}, 0.01, 1000);
+      bodies.add({nan, 0.5, nan}, 0.01, 1000);
+      bodies.add({0.5, nan, 1e300}, 0.01, 1000);
+      const Particles p = bodies.view();
+      std::vector<int> who(p.n);
+      std::iota(who.begin(), who.end(), 0);
+      Places places;
+      s.reader->find(p, who, places);
+      for (int q = 0; q < p.n; ++q) {
+        EXPECT_EQ(places.node[q], window.node(p.x[q])) << q;
+        EXPECT_GE(places.node[q], 0);
+        EXPECT_LT(places.node[q], std::ptrdiff_t(window.box().count()));
+      }
     }
 }
 

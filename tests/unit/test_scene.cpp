@@ -127,10 +127,10 @@ TEST(SceneWarnings, EachHasItsCause) {
 
 TEST(SceneReportText, SkinFarFromTheBest) {
   const Settings s = scene();
-  const auto report = [&](double skin, double script = 0) {
+  const auto report = [&](double skin, double script = -1) {
     SceneFacts f = facts();
     f.skin = skin * f.d_mean;
-    f.script_skin = script * f.d_mean;
+    f.script_skin = script < 0 ? -1 : script * f.d_mean;
     return scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), f);
   };
   EXPECT_NE(report(0.1).find("0.1 diameters; 0.25 to 0.7"), std::string::npos);
