@@ -10,7 +10,7 @@ import re
 
 import numpy as np
 
-from harness import Checks, Run, arguments, data_file, head_with_particles, walls
+from harness import Checks, Run, arguments, blown_beads, data_file, head_with_particles, walls
 
 L, D, H = 0.0312, 0.00495, 0.072
 STEPS = 400
@@ -31,22 +31,7 @@ def particles():
 def run(executable, cut, methods, balance, count):
     x, v = particles()
     script = head_with_particles(1.25e-5, processors=cut, boundary="f f f", gamman=2e-4, gammat=1e-4, skin=0.3e-3) + walls(
-        xplane=(0, L), yplane=(0, D), zplane=(0,)) + f"""
-fix weight all gravity 9.81 vector 0 0 -1
-fix integrate all nve/sphere
-fix gas all twogrid fine 26 1 48 ratio 2 1 2 density 1.2 viscosity 1.8e-5 every 4
-fix_modify gas {methods}
-fix_modify gas boundary zlo inlet 0 0 0.7 boundary zhi pressure 0
-fix_modify gas boundary xlo slip boundary xhi slip boundary ylo slip boundary yhi slip
-fix_modify gas output off
-thermo_style custom step atoms f_gas[6] f_gas[7]
-thermo_modify lost error norm no
-thermo 4
-dump end all custom {STEPS} end.* id x y z vx vy vz
-dump_modify end format "%d %.17g %.17g %.17g %.17g %.17g %.17g" sort id first no
-run {STEPS // 2}
-run {STEPS // 2}
-"""
+        xplane=(0, L), yplane=(0, D), zplane=(0,)) + blown_beads((26, 48), STEPS, methods)
     done = Run(executable, script, count, ["-fluid_pressure_rtol", "1e-13", "-balance", balance],
                files={"particles.data": data_file(f"0 {L} 0 {D} 0 {H}", [tuple(p) for p in x], 0.75e-3, 2500, v)})
     fullest = max(float(m) / float(a) for a, m in re.findall(r"^Nlocal:\s+([\d.eE+-]+) ave\s+([\d.eE+-]+) max", done.output, re.M)[-1:])

@@ -166,6 +166,27 @@ def walls(**planes):
     return "".join(WALL.format(id=f"wall_{p}{i}", plane=p, at=float(a)) for p, at in planes.items() for i, a in enumerate(at))
 
 
+def blown_beads(cells, steps, methods=""):
+    """Lines of a script after walls: gas from below through beads in a box of cells[0] x 1 x cells[1] fine cells; fixes weight, integrate and gas,
+    two runs, and at the end the dump end.STEPS of positions and velocities, sorted by id."""
+    return f"""
+fix weight all gravity 9.81 vector 0 0 -1
+fix integrate all nve/sphere
+fix gas all twogrid fine {cells[0]} 1 {cells[1]} ratio 2 1 2 density 1.2 viscosity 1.8e-5 every 4
+{"fix_modify gas " + methods if methods else ""}
+fix_modify gas boundary zlo inlet 0 0 0.7 boundary zhi pressure 0
+fix_modify gas boundary xlo slip boundary xhi slip boundary ylo slip boundary yhi slip
+fix_modify gas output off
+thermo_style custom step atoms f_gas[6] f_gas[7]
+thermo_modify lost error norm no
+thermo 4
+dump end all custom {steps} end.* id x y z vx vy vz
+dump_modify end format "%d %.17g %.17g %.17g %.17g %.17g %.17g" sort id first no
+run {steps // 2}
+run {steps // 2}
+"""
+
+
 def arguments():
     executable = sys.argv[1]
     ranks = [int(a) for a in sys.argv[2:] if not a.startswith("--")] or [1]

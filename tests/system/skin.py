@@ -13,7 +13,7 @@ import re
 
 import numpy as np
 
-from harness import Checks, Run, arguments, data_file, head_with_particles, walls
+from harness import Checks, Run, arguments, blown_beads, data_file, head_with_particles, walls
 
 L, D, H = 0.0312, 0.00495, 0.036
 STEPS, SIZE, SKIN = 600, 0.75e-3, 0.06e-3
@@ -24,21 +24,7 @@ def run(executable, count, options, skin=SKIN, neighbours="delay 0"):
     x = np.array([((i + 0.5) * 0.8e-3, (j + 0.5) * 0.8e-3 + 2e-5, (k + 0.5) * 0.8e-3) for k in range(18) for j in range(6) for i in range(39)])
     v = random.uniform(-0.4, 0.4, x.shape)
     script = head_with_particles(1.25e-5, processors=f"{count} 1 1", boundary="f f f", gamman=2e-4, gammat=1e-4, skin=skin).replace(
-        "neigh_modify delay 0", f"neigh_modify {neighbours}") + walls(xplane=(0, L), yplane=(0, D), zplane=(0,)) + f"""
-fix weight all gravity 9.81 vector 0 0 -1
-fix integrate all nve/sphere
-fix gas all twogrid fine 26 1 24 ratio 2 1 2 density 1.2 viscosity 1.8e-5 every 4
-fix_modify gas boundary zlo inlet 0 0 0.7 boundary zhi pressure 0
-fix_modify gas boundary xlo slip boundary xhi slip boundary ylo slip boundary yhi slip
-fix_modify gas output off
-thermo_style custom step atoms f_gas[6] f_gas[7]
-thermo_modify lost error norm no
-thermo 4
-dump end all custom {STEPS} end.* id x y z vx vy vz
-dump_modify end format "%d %.17g %.17g %.17g %.17g %.17g %.17g" sort id first no
-run {STEPS // 2}
-run {STEPS // 2}
-"""
+        "neigh_modify delay 0", f"neigh_modify {neighbours}") + walls(xplane=(0, L), yplane=(0, D), zplane=(0,)) + blown_beads((26, 24), STEPS)
     done = Run(executable, script, count, ["-fluid_pressure_rtol", "1e-13", *options],
                files={"particles.data": data_file(f"0 {L} 0 {D} 0 {H}", [tuple(p) for p in x], SIZE, 2500, v)})
     builds = sum(int(n) for n in re.findall(r"^Neighbor list builds = (\d+)", done.output, re.M))
