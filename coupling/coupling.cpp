@@ -122,7 +122,8 @@ class Coupling::Impl {
   double deviation_response(const Particles& p, int i) const;
   void check_reaction(double interval);
   void take(Particles& p, double interval);
-  void rebuild_pressure_force(Particles& p);
+  void choose_pressure_force(Particles& p, bool sizes_differ);
+  void add_pressure_of_drag(Particles& p);
   void choose_hold(double drag_number);
   void close_ledger(double interval);
   void remember_forces(const Particles& p);
@@ -152,6 +153,7 @@ class Coupling::Impl {
   Residual residual_;        // formulation A only
   double known_volume_ = 0;  // of the particles at the last coupling (m3)
   bool started_ = false, holding_ = false;
+  bool pressure_force_ = false;  // particles feel V_p D/eps as a force of its own
   bool any_deleted_ = false;
   bool covered_ = true;  // all particles of this rank are where they may be
 
@@ -189,8 +191,7 @@ class Coupling::Impl {
 
 Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, const ParticleRegion& region)
     : fluid_(fluid),
-      forces_(*find_drag_law(checked(settings).drag), fluid.density(), fluid.viscosity(),
-              compiled::kFormulationA && settings.formulation == Formulation::kA),
+      forces_(*find_drag_law(checked(settings).drag), fluid.density(), fluid.viscosity()),
       comm_(comm),
       settings_(settings),
       law_(*find_drag_law(settings.drag)),
@@ -607,7 +608,7 @@ double Coupling::Impl::deviation_response(const Particles& p, int i) const {
 void Coupling::Impl::complete_drag(const Particles& p, double interval) {
   Stopwatch watch(shares_.map);
   const FaceField<FineGrid>& u = fluid_.velocity();
-  reader_.load({&u}, 1);
+  reader_.load({{&u}});
   double largest[2] = {0, 0}, all[2];
   deviations_.resize(inside_.size());
   reader_.at_places(p, inside_, places_, [&](std::size_t q, const auto& place) {
@@ -676,10 +677,11 @@ void Coupling::Impl::take(Particles& p, double interval) {
   Stopwatch watch(shares_.map);
   const bool A = formulation_A(), kick = started_ && !settings_.one_way;
   const CellField<FineGrid>& fine = history_.now();
-  Readable fields;
-  fields.velocity = &fluid_.velocity();
-  fields.eps = reads_fine_cells(settings_.read) ? static_cast<const Array3<double>*>(&fine) : &eps_node_;
-  if (kick) fields.mean = &fluid_.mean_velocity();
+  const FaceField<FineGrid>*const now = &fluid_.velocity(), *const mean = &fluid_.mean_velocity();
+  const Array3<double>* const eps =
+      reads_fine_cells(settings_.read) ? static_cast<const Array3<double>*>(&fine) : &eps_node_;
+  std::vector<ReadGroup> groups{{now, eps, &fine}, {now}};
+  if (kick && mean != now) groups.push_back({mean});
   if (A) {
     if (started_) {
       double sums[2] = {0, 0}, all[2];
@@ -687,12 +689,13 @@ void Coupling::Impl::take(Particles& p, double interval) {
       MPI_Allreduce(sums, all, 2, MPI_DOUBLE, MPI_SUM, comm_);
       residual_.update(fluid_, fine, exchange_, all[1] > 0 ? all[0] / all[1] : fluid_.density());
     }
-    fields.pressure = &residual_.field();
+    groups.push_back({&residual_.field()});
   }
-  reader_.load(fields, A ? 3 : kick ? 2 : 1);
+  reader_.load(groups);
   const double smallest = -extremes_.minus_radius;
   const bool polydisperse =
       compiled::kPolydisperse && report_.particles > 0 && extremes_.radius > smallest * (1 + 1e-9);
+  choose_pressure_force(p, polydisperse);
   if (polydisperse) {
     motion().average_diameters(p, inside_, extremes_.radius, terms_);
     size_ratio_.resize(inside_.size());
@@ -701,8 +704,8 @@ void Coupling::Impl::take(Particles& p, double interval) {
   }
   Taken mine;
   kick_and_read(p, inside_, drag_,
-                {reader_, places_, law_, forces_, fluid_.density(), fluid_.viscosity(), interval, read_length_, kick, A,
-                 polydisperse ? size_ratio_.data() : nullptr},
+                {reader_, places_, law_, forces_, fluid_.density(), fluid_.viscosity(), interval, read_length_, kick,
+                 kick && mean != now, A, !pressure_force_, polydisperse ? size_ratio_.data() : nullptr},
                 mine);
   for (int d = 0; d < 3; ++d) ledger_.action[d] += mine.kick[d].value();
   ledger_.magnitude += mine.kick_size;
@@ -716,16 +719,31 @@ void Coupling::Impl::take(Particles& p, double interval) {
   report_.eps_min = -minus_eps_min;
   report_.travel = mine.speed * interval / cell_width_;
   choose_hold(mine.drag_number);
-  if (settings_.one_way || !(A || holding_)) return;
+  if (settings_.one_way || !(pressure_force_ || holding_)) return;
   MeanMotion::Largest scale;
   scale.mass = extremes_.mass, scale.momentum = extremes_.mass * std::max(mine.speed, extremes_.flux_velocity);
   scale.drag = mine.drag, scale.drag_coefficient = mine.drag_coefficient;
   scale.terms = terms_;
-  motion().couple(p, inside_, flux_velocity_, eps_node_, scale, A);
-  if (A) rebuild_pressure_force(p);
+  motion().couple(p, inside_, flux_velocity_, eps_node_, scale, pressure_force_);
+  if (pressure_force_) add_pressure_of_drag(p);
 }
 
-void Coupling::Impl::rebuild_pressure_force(Particles& p) {
+/// Formulation B leaves -V_p grad p out and divides the drag by eps instead: the gradient that balances the drag,
+/// D/eps, gives every particle the same share of its own drag, if all are of one size. Where sizes differ it doesn't,
+/// and the force is b_p (u - v) + V_p D/eps. (So is it in formulation A, with the residual V_p R.)
+void Coupling::Impl::choose_pressure_force(Particles& p, bool sizes_differ) {
+  const bool wanted = formulation_A() || (sizes_differ && !settings_.one_way);
+  if (pressure_force_ && !wanted)
+    for (int i : inside_)
+      for (int d = 0; d < 3; ++d) p.state[i][kPressureForce + d] = 0;
+  pressure_force_ = wanted;
+  forces_.set_pressure_force(wanted);
+  report_.pressure_force = wanted;
+}
+
+/// The part of the pressure gradient's force that balances the drag, V_p D/eps.
+void Coupling::Impl::add_pressure_of_drag(Particles& p) {
+  const bool residual = formulation_A();  // has been read
   double beta;
   Vec3 drag;
   for (int i : inside_) {
@@ -733,7 +751,7 @@ void Coupling::Impl::rebuild_pressure_force(Particles& p) {
     motion().drag_at(p.x[i], beta, drag);
     const double volume = sphere_volume(p.radius[i]);
     s[kResponse] = p.step[i][kDragCoefficient] + volume * beta;
-    for (int d = 0; d < 3; ++d) s[kPressureForce + d] += volume * drag[d];
+    for (int d = 0; d < 3; ++d) s[kPressureForce + d] = (residual ? s[kPressureForce + d] : 0.0) + volume * drag[d];
   }
 }
 
@@ -753,8 +771,11 @@ void Coupling::Impl::remember_forces(const Particles& p) {
   for (std::size_t q = 0; q < inside_.size(); ++q) {
     const int i = inside_[q];
     const double* s = p.state[i];
-    for (int d = 0; d < 3; ++d)
-      last_force_[q][d] = p.step[i][kDragCoefficient] * (drag_[q].seen[d] - p.v[i][d]) + s[kPressureForce + d];
+    // What holding the flux has changed is in drag_.seen.
+    for (int d = 0; d < 3; ++d) {
+      const double seen = p.step[i][kStepVelocity + d] + (drag_[q].seen[d] - s[kFluidVelocity + d]);
+      last_force_[q][d] = p.step[i][kDragCoefficient] * (seen - p.v[i][d]) + s[kPressureForce + d];
+    }
   }
 }
 
@@ -765,7 +786,8 @@ void Coupling::Impl::compare_forces(const Particles& p) {
     const int i = inside_[q];
     const double* s = p.state[i];
     for (int d = 0; d < 3; ++d) {
-      const double force = p.step[i][kDragCoefficient] * (s[kFluidVelocity + d] - p.v[i][d]) + s[kPressureForce + d];
+      const double force =
+          p.step[i][kDragCoefficient] * (p.step[i][kStepVelocity + d] - p.v[i][d]) + s[kPressureForce + d];
       const double jump = force - last_force_[q][d];
       sum[0] += 0.25 * jump * jump;
       sum[1] += force * force;

@@ -42,6 +42,8 @@ struct Report {
   long long fluid_steps = 0;
   double max_drag_number = 0;  ///< largest beta Dt/(rho_p eps_s): interval over response time
   bool holding_flux = false;
+  bool pressure_force =
+      false;                ///< particles feel the pressure gradient as a force of its own (A, or sizes that differ)
   double solid_volume = 0;  ///< m3, of the particles that take part
   long long particles = 0;
   double volume_inserted = 0;                     ///< of particles new since the last coupling (m3); they replace fluid

@@ -28,7 +28,6 @@ inline double largest_of(const Four& a) {
 }
 
 /// slip and speed come as squares.
-template <bool kA>
 inline void finish(Batch& c, const Taking& t) {
   int padded = c.n;
   for (; padded % kDragBatch; ++padded) {
@@ -36,6 +35,7 @@ inline void finish(Batch& c, const Taking& t) {
     c.slip[padded] = c.speed[padded] = c.per_mass[padded] = 0;
   }
   const double per_viscosity = t.density / t.viscosity, scale = kThreePi * t.viscosity, dt = t.forces.decay_dt();
+  const bool over_eps = t.drag_over_eps;
 #pragma GCC ivdep
   for (int l = 0; l < padded; ++l) {
     c.slip[l] = std::sqrt(c.slip[l]);
@@ -45,7 +45,7 @@ inline void finish(Batch& c, const Taking& t) {
   t.law.F_of(padded, c.eps, c.Re, c.size_ratio, c.F);
 #pragma GCC ivdep
   for (int l = 0; l < padded; ++l) {
-    const double b_A = scale * c.diameter[l] * c.eps[l] * c.F[l], b_B = b_A / c.eps[l], b = kA ? b_A : b_B;
+    const double b_A = scale * c.diameter[l] * c.eps[l] * c.F[l], b_B = b_A / c.eps[l], b = over_eps ? b_B : b_A;
     const double k = b * dt * c.per_mass[l], decay = mean_decay_series(k);
     c.b[l] = b;
     c.response[l] = b_B;
@@ -63,10 +63,9 @@ inline void finish(Batch& c, const Taking& t) {
   }
 }
 
-template <bool kA>
 inline void flush(Batch& c, const Taking& t) {
   const int n = c.n;
-  finish<kA>(c, t);
+  finish(c, t);
   for (int l = 0; l < n; ++l) {
     double *const s = c.row[l], *const step = c.step[l];
     if (step[kDecay] == 0)
@@ -79,10 +78,12 @@ inline void flush(Batch& c, const Taking& t) {
   c.n = 0;
 }
 
-template <bool kKick, bool kA>
+/// kMean: group of the mean velocity that the kick needs; 0: no kick.
+template <int kMean, bool kResidual>
 inline void take(Particles& p, const std::vector<int>& who, const std::vector<ImplicitDrag>& drag, const Taking& t,
                  Taken& taken) {
-  constexpr int kGroups = kA ? 3 : kKick ? 2 : 1;
+  constexpr bool kKick = kMean > 0;
+  constexpr int kGroups = (kMean == 2 ? 3 : 2) + kResidual;
   static_assert(kImpulse == kDragCoefficient + 1 && kFluidVelocity == kVoidFraction + 1 &&
                 kVoidFraction == kPressureForce + 3 && kDragCoefficient == kStepVelocity + 3);
   Batch batch;
@@ -102,11 +103,12 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
     double *const s = p.state[i], *const step = p.step[i];
     Four out[kGroups];
     gather<kGroups>(place, shape, field, out);
+    see_like_home<kGroups>(place, shape, field, out[0]);
     Four v;
     three_at(p.v[i], i + 1 == p.n, v);
     const double per_mass = drag[q].seen[3];
     if (kKick) {
-      const Four kick = drag[q].given[3] * interval * (out[kKick] - drag[q].seen);
+      const Four kick = drag[q].given[3] * interval * (out[kMean] - drag[q].seen);
       v += kick * per_mass;
       for (int d = 0; d < 3; ++d) p.v[i][d] = v[d];
       kicks.add(kick);
@@ -116,8 +118,8 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
     }
     const Four slip = out[0] - v, slip2 = slip * slip, speed2 = v * v;
     const double diameter = 2 * p.radius[i], eps = out[0][3];
-    if (kA) four_at(s + kPressureForce) = sphere_volume(p.radius[i]) * out[2];
-    four_at(s + kVoidFraction) = __builtin_shuffle(out[0], FourIntegers{3, 0, 1, 2});
+    if (kResidual) four_at(s + kPressureForce) = sphere_volume(p.radius[i]) * out[kGroups - 1];
+    four_at(s + kVoidFraction) = __builtin_shuffle(out[0], out[1], FourIntegers{3, 4, 5, 6});
     four_at(step + kStepVelocity) = out[0];  // b of the next column follows
     const int l = batch.n++;
     batch.row[l] = s, batch.step[l] = step;
@@ -127,9 +129,9 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
     batch.diameter[l] = diameter;
     batch.per_mass[l] = per_mass;
     batch.size_ratio[l] = size_ratio ? size_ratio[q] : 1.0;
-    if (batch.n == Batch::kSize) flush<kA>(batch, t);
+    if (batch.n == Batch::kSize) flush(batch, t);
   });
-  flush<kA>(batch, t);
+  flush(batch, t);
   taken.drag = largest_of(batch.drag);
   taken.drag_coefficient = largest_of(batch.coefficient);
   taken.drag_number = largest_of(batch.number);
@@ -145,11 +147,16 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
 
 TWOGRID_VECTORISED void kick_and_read(Particles& p, const std::vector<int>& who, const std::vector<ImplicitDrag>& drag,
                                       const Taking& t, Taken& taken) {
-  if (compiled::kFormulationA && t.pressure)
-    t.kick ? take<true, compiled::kFormulationA>(p, who, drag, t, taken)
-           : take<false, compiled::kFormulationA>(p, who, drag, t, taken);
+  constexpr bool kA = compiled::kFormulationA;
+  const int mean = !t.kick ? 0 : t.mean_loaded ? 2 : 1;
+  if (kA && t.residual)
+    mean == 2   ? take<2, kA>(p, who, drag, t, taken)
+    : mean == 1 ? take<1, kA>(p, who, drag, t, taken)
+                : take<0, kA>(p, who, drag, t, taken);
   else
-    t.kick ? take<true, false>(p, who, drag, t, taken) : take<false, false>(p, who, drag, t, taken);
+    mean == 2   ? take<2, false>(p, who, drag, t, taken)
+    : mean == 1 ? take<1, false>(p, who, drag, t, taken)
+                : take<0, false>(p, who, drag, t, taken);
 }
 
 }  // namespace twogrid

@@ -14,7 +14,9 @@
 namespace twogrid {
 
 struct Taking {
-  const Reader& reader;  ///< loaded: velocity and eps; with kick, mean velocity; formulation A: pressure, third
+  /// Loaded: what particles see and eps; velocity; with kick, mean velocity, where it is another; formulation A: the
+  /// residual force, last.
+  const Reader& reader;
   const Places& places;  ///< of `who` in it
   const DragLaw& law;
   const StepForces& forces;   ///< knows a particle's decay over a DEM step
@@ -22,7 +24,9 @@ struct Taking {
   double interval;            ///< D (s)
   double read_length;         ///< of what a particle reads (m)
   bool kick;                  ///< the fluid has advanced
-  bool pressure;              ///< formulation A
+  bool mean_loaded;           ///< its mean velocity over the interval is another than that of now
+  bool residual;              ///< formulation A
+  bool drag_over_eps;         ///< the pressure gradient's force is in the drag: b = b_p/eps (formulation B, one size)
   const double* size_ratio;   ///< diameters over the local mean; null: 1
 };
 
@@ -36,8 +40,9 @@ struct Taken {
   double kick_size = 0;                   ///< sum of the sizes of its components (kg m/s)
 };
 
-/// K = b' (mean u - u_seen) D goes to the velocity; then u, eps, pressure force, b and what hangs on it to the state,
-/// in which the next interval's impulse begins at zero. Local.
+/// K = b' (mean u - u_ref) D goes to the velocity, u_ref: u as read at the last coupling, by the same weights; then u,
+/// eps, the residual's part of the pressure force, b and the columns that depend on b to the state, in which the next
+/// interval's impulse begins at zero. Local.
 void kick_and_read(Particles& p, const std::vector<int>& who, const std::vector<ImplicitDrag>& drag,
                    const Taking& taking, Taken& taken);
 

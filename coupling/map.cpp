@@ -39,6 +39,9 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
       const double below = inside_below ? 0.5 * a.width(i - 1) : 0.0, above = inside_above ? 0.5 * a.width(i) : 0.0;
       face_width_[d].push_back(below + above);
       above_[d].push_back(i % r != 0 ? 1.0 : above / (below + above));
+      const double width_below = inside_below ? a.width(i - 1) : a.width(i),
+                   width_above = inside_above ? a.width(i) : a.width(i - 1);
+      above_share_[d].push_back(width_above / (width_below + width_above));
       block_[d].push_back(i / r);
     }
   }
@@ -77,6 +80,7 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
   }
   with_below_ = below[rank];
   row_.resize(std::size_t(own_.size(0)) * grid_.ratio[0] + 1);
+  flux_.resize(row_.size());
 }
 
 double Map::integral(int d, int j, int k, const double* density) const {
@@ -105,6 +109,16 @@ inline void add_row(int n, double weight, const double* u, const double* open, d
     for (int i = 0; i < n; ++i) sum[i] = (kFirst ? 0.0 : sum[i]) + weight * u[i];
 }
 
+/// flux = eps_f u of a row of n faces. down: from a cell of eps to the one below the face.
+template <bool kNormal>
+inline void flux_row(int n, const double* u, const double* eps, std::ptrdiff_t down, const double* above_share,
+                     double* __restrict flux) {
+  for (int i = 0; i < n; ++i) {
+    const double below = eps[i - down], share = kNormal ? above_share[i] : *above_share;
+    flux[i] = u[i] * (below + share * (eps[i] - below));
+  }
+}
+
 /// A row of nodes from the sums over y and z of its faces: node[stride I] = inverse[I] times the sum over the block's
 /// faces m of width sum. kNormal: the row runs along d, and face m of node I has the width width[m all_nodes + I].
 template <bool kNormal>
@@ -126,7 +140,8 @@ inline void sum_blocks(int nodes, int r, std::ptrdiff_t all_nodes, const double*
 
 }  // namespace
 
-TWOGRID_VECTORISED void Map::mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node) const {
+TWOGRID_VECTORISED void Map::mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
+                                  const CellField<FineGrid>* eps) const {
   if (own_.empty()) return;
   const int nodes = own_.size(0), r = grid_.ratio[0], first = own_.lo[0] * r;
   const std::ptrdiff_t stride = 4 * node.stride;
@@ -143,7 +158,16 @@ TWOGRID_VECTORISED void Map::mean(const FaceField<FineGrid>& face, const Slot<Fo
           const double wk = d == 2 ? half_[2][(k - b.lo[2]) * grid_.n()[2] + K] : width_[2][k];
           for (int j = b.lo[1]; j < b.hi[1] + (d == 1); ++j) {
             const double weight = wk * (d == 1 ? half_[1][(j - b.lo[1]) * grid_.n()[1] + J] : width_[1][j]);
-            const double* const row = &u.data()[u.index(first, j, k)];
+            const double* row = &u.data()[u.index(first, j, k)];
+            if (eps) {
+              const double* const e = &eps->data()[eps->index(first, j, k)];
+              const double* const share = d == 0 ? &above_share_[0][first] : &above_share_[d][d == 1 ? j : k];
+              if (d == 0)
+                flux_row<true>(faces, row, e, 1, share, flux_.data());
+              else
+                flux_row<false>(faces, row, e, eps->stride(d), share, flux_.data());
+              row = flux_.data();
+            }
             if (fresh)
               add_row<true>(faces, weight, row, open_[d].row(j, k), sum);
             else

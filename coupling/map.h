@@ -49,8 +49,11 @@ class Map {
   /// Sum over the row of own faces of `density` V_f.
   double integral(int d, int j, int k, const double* density) const;
 
-  /// `face` covers own faces and a halo of one, filled; node: own nodes, of whose groups components 0-2 are set.
-  void mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node) const;
+  /// `face` covers own faces and a halo of one, filled; node: own nodes, of whose groups components 0-2 are set. eps:
+  /// of fine cells and a halo of one: then the mean is that of eps_f times the face's value, eps_f by volume as the
+  /// fluid has it.
+  void mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
+            const CellField<FineGrid>* eps = nullptr) const;
   /// node: own nodes' sums over the node, in units of scale[0] (components 0-2, N) and scale[1] (component 3, kg/s);
   /// source (0-2) and beta (3): per volume, on own faces. Returns what nodes without a solved face held back of
   /// components 0-2, summed over own nodes. The map must live as long as source and beta are used. Collective.
@@ -67,12 +70,13 @@ class Map {
   std::array<std::vector<double>, 3> face_width_;  // of momentum volumes, their part inside the domain (m)
   // Face i of direction d takes the share `above` of node [i / r] and 1 - above of the node below.
   std::array<std::vector<double>, 3> above_;
-  std::array<std::vector<int>, 3> block_;        // node of fine cell i; of the last face: one beyond the last
-  std::array<std::vector<double>, 3> half_;      // [d][m n + N]: width inside block N of its face m = 0 ... r
-  NodeVector<CellField<ParticleGrid>> inverse_;  // 1 / W_n, own nodes
-  std::array<bool, 3> holds_back_;               // some W_n is zero
-  std::array<OpenFaces, 3> open_;                // all faces of own nodes
-  mutable std::vector<double> row_;              // scratch of mean()
+  std::array<std::vector<double>, 3> above_share_;  // of the cell above a face in the mean of eps on it
+  std::array<std::vector<int>, 3> block_;           // node of fine cell i; of the last face: one beyond the last
+  std::array<std::vector<double>, 3> half_;         // [d][m n + N]: width inside block N of its face m = 0 ... r
+  NodeVector<CellField<ParticleGrid>> inverse_;     // 1 / W_n, own nodes
+  std::array<bool, 3> holds_back_;                  // some W_n is zero
+  std::array<OpenFaces, 3> open_;                   // all faces of own nodes
+  mutable std::vector<double> row_, flux_;          // scratch of mean()
   Box with_below_;
   BlockExchange below_;
 

@@ -108,6 +108,10 @@ void MeanMotion::sum_motion(const Particles& p, const std::vector<int>* who) {
 void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const std::vector<FourNumbers>& flux_velocity,
                         const CellField<ParticleGrid>& eps, const Largest& largest, bool drag) {
   drag_ = drag;
+  if (drag) {
+    for_each(own_, [&](int i, int j, int k) { shown_[kShownEps](i, j, k) = eps(i, j, k); });
+    bring(kShownEps, 1);
+  }
   mass_unit_ = FixedPoint(largest.mass, largest.terms);
   terms_ = largest.terms;
   momentum_unit_ = FixedPoint(largest.momentum, terms_);
@@ -121,11 +125,12 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
     for (int d = 0; d < 3; ++d)
       scatter(stencil_, momentum_unit_.quantise(p.mass[i] * flux_velocity[q].at[d]), window_sum_[4 + d]);
     if (!drag) continue;
-    const double* s = p.state[i];
+    const double* u = p.step[i] + kStepVelocity;
     const double b = p.step[i][kDragCoefficient];
-    scatter(stencil_, b_unit.quantise(b), window_sum_[7]);
+    const double sum = weights_like_home(stencil_, window_shown_[kShownEps], weights_);
+    scatter(stencil_, weights_, sum, b_unit.quantise(b), window_sum_[7]);
     for (int d = 0; d < 3; ++d)
-      scatter(stencil_, force_unit.quantise(b * (s[kFluidVelocity + d] - p.v[i][d])), window_sum_[8 + d]);
+      scatter(stencil_, weights_, sum, force_unit.quantise(b * (u[d] - p.v[i][d])), window_sum_[8 + d]);
   }
   collect(sums);
   for_each(own_, [&](int i, int j, int k) {
@@ -150,7 +155,8 @@ void MeanMotion::drag_at(const double x[3], double& beta, Vec3& d) {
   const double* field[4];
   double out[4];
   for (int c = 0; c < 4; ++c) field[c] = window_shown_[c].data();
-  gather<4>(stencil_, window_shown_[0], field, out);
+  const double sum = weights_like_home(stencil_, window_shown_[kShownEps], weights_);
+  gather<4>(stencil_, weights_, sum, window_shown_[0], field, out);
   beta = out[0];
   d = {out[1], out[2], out[3]};
 }

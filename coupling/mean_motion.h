@@ -64,6 +64,7 @@ class MeanMotion {
 
   static constexpr int kSums = 11;
   static constexpr int kShown = 6;
+  static constexpr int kShownEps = 4;  // in couple() with drag, for weights like home
 
   MPI_Comm comm_;
   ParticleGrid grid_;
@@ -72,6 +73,7 @@ class MeanMotion {
   Spread spread_;
   Window window_;
   Stencil stencil_;
+  std::vector<double> weights_;  // scratch
   std::array<bool, 3> free_flux_;
   double domain_volume_;
   bool drag_ = false;

@@ -9,14 +9,14 @@ namespace twogrid {
 /// needs, columns 14 to 21, is a line.
 enum ParticleColumn {
   kDragForce = 0,      ///< 0-2 drag of the current step (N), where Particles::watched
-  kPressureForce = 3,  ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B
-  kVoidFraction = 6,   ///< 6 eps at the particle
-  kFluidVelocity = 7,  ///< 7-9 u read at the last coupling (m/s)
+  kPressureForce = 3,  ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B with one size
+  kVoidFraction = 6,   ///< 6 eps that the particle sees
+  kFluidVelocity = 7,  ///< 7-9 u read at the last coupling, by the weights of the reaction (m/s)
   kLateForce = 10,     ///< 10-12 what the second half of a stiff step's force has over the first (N); else zero
   kSizeRatio = 13,     ///< 13 diameter over the local Sauter mean
   kPosition = 14,      ///< 14-16 x at the last coupling (m)
   kPathVelocity = 17,  ///< 17-19 path / interval of the last coupling (m/s)
-  kResponse = 20,      ///< 20 b_tot: drag coefficient with the share of the pressure force (A), b_p/eps (B) (kg/s)
+  kResponse = 20,      ///< 20 b_tot: drag coefficient with the share of the pressure force (kg/s)
   kKnown = 21,         ///< 21 not 0: the particle was there at the last coupling
   kParticleColumns = 24
 };
@@ -24,8 +24,8 @@ enum ParticleColumn {
 /// The part of the state that every DEM step needs lies by itself, one particle's beside the next one's: of rows of the
 /// above a step would fetch twice the memory.
 enum StepColumn {
-  kStepVelocity = 0,     ///< 0-2 u again
-  kDragCoefficient = 3,  ///< 3 b_p (kg/s)
+  kStepVelocity = 0,     ///< 0-2 u that the drag law sees (m/s): u read, but for places where the void fraction jumps
+  kDragCoefficient = 3,  ///< 3 b_p; formulation B with one size: b_p/eps (kg/s)
   kImpulse = 4,          ///< 4-6 momentum received from the fluid since the last coupling (kg m/s)
   kDecay = 7,            ///< 7 phi(b_p dt/m) of StepForces; 0: not known, or the step is stiff
   kStepColumns = 8

@@ -48,15 +48,20 @@ Slot<FourNumbers> Reader::own_field(int group, int groups) {
 
 namespace {
 
-/// Component 3 of own nodes' groups; null: zero. first_too: components 0-2 become zero.
-void set_rest(const Array3<double>* value, bool first_too, const Box& own, const Slot<FourNumbers>& to) {
+/// Component 3 of own nodes' groups, and what it says of the others: without faces components 0-2 are zero; flux: they
+/// are divided by it.
+void set_value(const ReadGroup& group, const Box& own, const Slot<FourNumbers>& to) {
   if (own.empty()) return;
   for (int k = own.lo[2]; k < own.hi[2]; ++k)
     for (int j = own.lo[1]; j < own.hi[1]; ++j) {
       FourNumbers* node = to.data + to.stride * to.index(own.lo[0], j, k);
-      const double* const row = value ? value->data() + value->index(own.lo[0], j, k) : nullptr;
+      const double* const row = group.value ? group.value->data() + group.value->index(own.lo[0], j, k) : nullptr;
       for (int i = 0; i < own.size(0); ++i, node += to.stride) {
-        if (first_too) node->at[0] = node->at[1] = node->at[2] = 0;
+        if (!group.faces) node->at[0] = node->at[1] = node->at[2] = 0;
+        if (group.eps) {
+          const double inverse = 1 / row[i];
+          for (int d = 0; d < 3; ++d) node->at[d] *= inverse;
+        }
         node->at[3] = row ? row[i] : 0.0;
       }
     }
@@ -64,18 +69,18 @@ void set_rest(const Array3<double>* value, bool first_too, const Box& own, const
 
 }  // namespace
 
-void Reader::load(const Readable& fields, int groups) {
-  const FaceField<FineGrid>* const faces[kMaxGroups] = {fields.velocity, fields.mean, fields.pressure};
-  const std::size_t values = window_.box().count() * groups;
+void Reader::load(const std::vector<ReadGroup>& groups) {
+  const int n = int(groups.size());
+  const std::size_t values = window_.box().count() * n;
   if (field_.capacity() < values) std::vector<FourNumbers>().swap(field_);  // old and new are never there together
   field_.resize(values);
-  own_field_.resize(around_ ? 0 : map_.own().count() * groups);
+  own_field_.resize(around_ ? 0 : map_.own().count() * n);
   std::vector<Slot<FourNumbers>> own, window;
-  for (int g = 0; g < groups; ++g) {
-    own.push_back(own_field(g, groups));
-    window.push_back({window_.box(), field_.data() + g, groups});
-    if (faces[g]) map_.mean(*faces[g], own[g]);
-    set_rest(g == 0 ? fields.eps : nullptr, !faces[g], map_.own(), own[g]);
+  for (int g = 0; g < n; ++g) {
+    own.push_back(own_field(g, n));
+    window.push_back({window_.box(), field_.data() + g, n});
+    if (groups[g].faces) map_.mean(*groups[g].faces, own[g], groups[g].eps);
+    set_value(groups[g], map_.own(), own[g]);
   }
   window_.bring(own, window);
 }

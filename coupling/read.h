@@ -27,13 +27,14 @@ namespace twogrid {
 bool reads_fine_cells(Read read);
 Spread spread_of(Read read);
 
-/// Fields of which particles read: components and eps on own cells or nodes, faces on own faces and a halo of one. What
-/// is null is not read (zero).
-struct Readable {
-  const FaceField<FineGrid>* velocity = nullptr;
-  const Array3<double>* eps = nullptr;            ///< own nodes
-  const FaceField<FineGrid>* mean = nullptr;      ///< mean velocity of the interval
-  const FaceField<FineGrid>* pressure = nullptr;  ///< the residual force of formulation A
+/// Four values that particles read together: three components on faces, as the node's mean, and one value of the node.
+struct ReadGroup {
+  const FaceField<FineGrid>* faces = nullptr;  ///< own faces and a halo of one; null: zero
+  const Array3<double>* value = nullptr;       ///< own nodes; null: zero
+  /// Of fine cells and a halo of one: the components are then the node's mean of eps_f u_f over its own void fraction,
+  /// `value`. So they are the velocity inside the node also where the void fraction jumps at its sides: the flux eps u
+  /// passes the jump unchanged, while u on the faces there is that of neither side.
+  const CellField<FineGrid>* eps = nullptr;
 };
 
 class Reader {
@@ -66,9 +67,8 @@ class Reader {
     }
   }
 
-  /// Makes fields readable, in groups of four: velocity and eps; mean velocity; pressure. groups: how many of these, 1
-  /// to 3. Collective.
-  void load(const Readable& fields, int groups);
+  /// Makes fields readable, group by group. Collective.
+  void load(const std::vector<ReadGroup>& groups);
   /// The groups as loaded, on the window; for gather().
   const FourNumbers* field() const { return field_.data(); }
   const WindowShape& shape() const { return shape_; }
@@ -90,7 +90,6 @@ class Reader {
   void collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back);
 
  private:
-  static constexpr int kMaxGroups = 3;
   Slot<FourNumbers> own_field(int group, int groups);
 
   MPI_Comm comm_;

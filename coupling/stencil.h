@@ -4,6 +4,7 @@
 // group. A particle's four whole numbers are split among nodes so that the parts' sum is exactly they.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "../cfd/box.h"
@@ -16,6 +17,7 @@ struct Stencil {
   static constexpr int kMax = 64;  ///< nodes a direction
   Int3 lo;                         ///< first node, an index of the window
   Int3 n;                          ///< nodes a direction
+  Int3 home;                       ///< the node that holds the particle's centre, an index of the window
   double w[3][kMax];               ///< weights; each direction's sum is 1
 
   bool single() const { return n[0] == 1 && n[1] == 1 && n[2] == 1; }
@@ -23,8 +25,9 @@ struct Stencil {
 
 /// The two nodes a direction between whose centres a particle lies, eight in all.
 struct Corners {
-  double w[3];        ///< weight of the upper node; the lower one has the rest
-  std::ptrdiff_t at;  ///< place of the lowest of the eight in a field of the window
+  double w[3];          ///< weight of the upper node; the lower one has the rest
+  std::ptrdiff_t at;    ///< place of the lowest of the eight in a field of the window
+  std::ptrdiff_t home;  ///< place of the one that holds the particle's centre
 };
 
 /// Where particles read or write, found once a coupling.
@@ -39,8 +42,24 @@ struct WindowShape {
   std::ptrdiff_t row, slab;  ///< nodes a row, nodes a slab
   Int3 up;                   ///< from a node to the upper one of a pair; 0 where there is one node in that direction
 
-  std::ptrdiff_t first(const Stencil& s) const {
-    return (s.lo[0] - lo[0]) + row * (s.lo[1] - lo[1]) + slab * (s.lo[2] - lo[2]);
+  std::ptrdiff_t place(const Int3& node) const {
+    return (node[0] - lo[0]) + row * (node[1] - lo[1]) + slab * (node[2] - lo[2]);
+  }
+  std::ptrdiff_t first(const Stencil& s) const { return place(s.lo); }
+};
+
+/// Where a bed ends, the mean over nodes on either side is no void fraction and no velocity of any particle's
+/// surroundings: of a particle inside, the drag would fall short. So what a particle sees is interpolated between nodes
+/// that are about as full as its own, `home`: a node's weight is multiplied by a factor that is 1 where it holds over
+/// kFull of the solids of home, 0 below kEmpty of them, linear between. Fuller nodes keep their weight.
+struct LikeHome {
+  static constexpr double kFull = 0.7, kEmpty = 0.3;
+  double solids;  ///< of home
+  /// Void fraction up to which a node has its weight in full.
+  double full_up_to() const { return 1 - kFull * solids; }
+  double factor(double eps) const {
+    const double share = (1 - eps - kEmpty * solids) / ((kFull - kEmpty) * solids);
+    return std::min(std::max(share, 0.0), 1.0);
   }
 };
 
@@ -80,6 +99,56 @@ template <int kGroups>
 inline void gather(std::ptrdiff_t node, const WindowShape&, const FourNumbers* field, Four* out) {
   for (int g = 0; g < kGroups; ++g) out[g] = four_at(field[kGroups * node + g].at);
 }
+
+/// What a particle sees, group 0 of kGroups (component 3: void fraction): interpolated between nodes like its own. out:
+/// the plain mean, as gather() gives it, which holds where no node is emptier.
+template <int kGroups>
+inline void see_like_home(const Corners& c, const WindowShape& shape, const FourNumbers* field, Four& out) {
+  const FourNumbers* const first = field + kGroups * c.at;
+  const std::ptrdiff_t up[3] = {kGroups * shape.up[0], kGroups * shape.up[1], kGroups * shape.up[2]};
+  double emptiest = 0;
+  for (int q = 0; q < 8; ++q)
+    emptiest = std::max(emptiest, first[(q & 1) * up[0] + (q >> 1 & 1) * up[1] + (q >> 2) * up[2]].at[3]);
+  const LikeHome like{1 - field[kGroups * c.home].at[3]};
+  if (emptiest <= like.full_up_to()) return;
+  Four sum{0, 0, 0, 0};
+  double weights = 0;
+  for (int q = 0; q < 8; ++q) {
+    const int x = q & 1, y = q >> 1 & 1, z = q >> 2;
+    const Four node = four_at(first[x * up[0] + y * up[1] + z * up[2]].at);
+    const double w =
+        (x ? c.w[0] : 1 - c.w[0]) * (y ? c.w[1] : 1 - c.w[1]) * (z ? c.w[2] : 1 - c.w[2]) * like.factor(node[3]);
+    sum += w * node;
+    weights += w;
+  }
+  out = sum / weights;
+}
+
+template <int kGroups>
+inline void see_like_home(const Stencil& s, const WindowShape& shape, const FourNumbers* field, Four& out) {
+  const LikeHome like{1 - field[kGroups * shape.place(s.home)].at[3]};
+  const std::ptrdiff_t first = shape.first(s);
+  double emptiest = 0;
+  for (int k = 0; k < s.n[2]; ++k)
+    for (int j = 0; j < s.n[1]; ++j)
+      for (int i = 0; i < s.n[0]; ++i)
+        emptiest = std::max(emptiest, field[kGroups * (first + i + shape.row * j + shape.slab * k)].at[3]);
+  if (emptiest <= like.full_up_to()) return;
+  Four sum{0, 0, 0, 0};
+  double weights = 0;
+  for (int k = 0; k < s.n[2]; ++k)
+    for (int j = 0; j < s.n[1]; ++j)
+      for (int i = 0; i < s.n[0]; ++i) {
+        const Four node = four_at(field[kGroups * (first + i + shape.row * j + shape.slab * k)].at);
+        const double w = s.w[0][i] * s.w[1][j] * s.w[2][k] * like.factor(node[3]);
+        sum += w * node;
+        weights += w;
+      }
+  if (weights > 0) out = sum / weights;
+}
+
+template <int kGroups>
+inline void see_like_home(std::ptrdiff_t, const WindowShape&, const FourNumbers*, Four&) {}
 
 /// upper = the whole numbers nearest to w total, lower = the rest.
 template <class T>
@@ -170,6 +239,55 @@ inline void gather(const Stencil& s, const Array3<double>& shape, const double* 
         for (int q = 0; q < N; ++q) out[q] += w * field[q][m + i];
       }
     }
+}
+
+/// Weights of the nodes of a stencil between those like the particle's own, x fastest; eps: of all of the window.
+/// Returns their sum.
+inline double weights_like_home(const Stencil& s, const Array3<double>& eps, std::vector<double>& w) {
+  const LikeHome like{1 - eps(s.home[0], s.home[1], s.home[2])};
+  w.clear();
+  double sum = 0;
+  for (int k = 0; k < s.n[2]; ++k)
+    for (int j = 0; j < s.n[1]; ++j)
+      for (int i = 0; i < s.n[0]; ++i) {
+        const double e = eps(s.lo[0] + i, s.lo[1] + j, s.lo[2] + k);
+        w.push_back(s.w[0][i] * s.w[1][j] * s.w[2][k] * (e <= like.full_up_to() ? 1.0 : like.factor(e)));
+        sum += w.back();
+      }
+  return sum;
+}
+
+/// Means of N fields by such weights, of the given sum.
+template <int N>
+inline void gather(const Stencil& s, const std::vector<double>& w, double sum, const Array3<double>& shape,
+                   const double* const (&field)[N], double* out) {
+  for (int q = 0; q < N; ++q) out[q] = 0;
+  const double* weight = w.data();
+  for (int k = 0; k < s.n[2]; ++k)
+    for (int j = 0; j < s.n[1]; ++j)
+      for (int i = 0; i < s.n[0]; ++i, ++weight) {
+        const std::ptrdiff_t m = shape.index(s.lo[0] + i, s.lo[1] + j, s.lo[2] + k);
+        for (int q = 0; q < N; ++q) out[q] += *weight / sum * field[q][m];
+      }
+}
+
+/// Adds `total` units, split by such weights, so that exactly `total` is added.
+inline void scatter(const Stencil& s, const std::vector<double>& w, double sum, long long total,
+                    Array3<long long>& field) {
+  long long rest = total;
+  double largest = -1;
+  std::ptrdiff_t at = 0;
+  const double* weight = w.data();
+  for (int k = 0; k < s.n[2]; ++k)
+    for (int j = 0; j < s.n[1]; ++j)
+      for (int i = 0; i < s.n[0]; ++i, ++weight) {
+        const std::ptrdiff_t m = field.index(s.lo[0] + i, s.lo[1] + j, s.lo[2] + k);
+        const long long part = static_cast<long long>(*weight / sum * double(total));
+        field.data()[m] += part;
+        rest -= part;
+        if (*weight > largest) largest = *weight, at = m;
+      }
+  field.data()[at] += rest;
 }
 
 /// Adds `total` units, split by the weights; what rounding leaves over goes to the node of the largest weight, so that

@@ -39,7 +39,7 @@ void StepForces::on_all(Particles& p, double dem_dt, bool accumulate, MeanMotion
 void StepForces::plain(Particles& p, double dem_dt) {
   if (dem_dt != decay_dt_) find_decay(p, dem_dt);
   left_.resize(p.n);
-  const int left = add_plain_forces(p, {dem_dt, -density_, gravity_}, A_, left_.data());
+  const int left = add_plain_forces(p, {dem_dt, -density_, gravity_}, pressure_force_, left_.data());
   for (int q = 0; q < left; ++q) on<false, false>(p, left_[q], dem_dt, true, nullptr);
 }
 
@@ -59,13 +59,13 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
   double volume = 0, response = b;
   if (kHolding && b > 0) {
     holding->change_at(p.x[i], c, pressure);
-    volume = A_ ? sphere : 0.0;
+    volume = pressure_force_ ? sphere : 0.0;
     response = s[kResponse] / s[kVoidFraction];
   }
   Vec3 other, slip, steady;
   for (int d = 0; d < 3; ++d) {
     other[d] = p.f[i][d] + buoyancy * gravity_[d];
-    slip[d] = s[kFluidVelocity + d] - c[d] - p.v[i][d];
+    slip[d] = p.step[i][kStepVelocity + d] - c[d] - p.v[i][d];
     steady[d] = other[d] + s[kPressureForce + d] + volume * pressure[d];
   }
   const double k = kHeld && p.held(i) ? 0 : response * dem_dt / p.mass[i];
@@ -142,7 +142,7 @@ double StepForces::law_at(const Particles& p, int i, const Vec3& slip) const {
   const double magnitude = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
   const double b_A =
       drag_coefficient(law_, s[kVoidFraction], 2 * p.radius[i], magnitude, density_, viscosity_, s[kSizeRatio]);
-  return A_ ? b_A : b_A / s[kVoidFraction];
+  return pressure_force_ ? b_A : b_A / s[kVoidFraction];
 }
 
 void StepForces::finish_step(Particles& p) const {

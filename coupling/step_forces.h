@@ -4,7 +4,7 @@
 // v^{n-1/2} to v^{n+1/2} by one f,
 //   f <- phi(k) (f - V_p rho_f g + F),   F = b (u_seen - v) + F_p,   k = c D/m,   phi(k) = (1 - e^-k)/k,   D = dem_dt
 //   not holding   u_seen = u_read, c = b
-//   holding       u_seen = u_read - C(t), c = b_tot (1 + eps_s/eps); formulation A: F_p grows by V_p P(t)
+//   holding       u_seen = u_read - C(t), c = b_tot (1 + eps_s/eps); with a pressure force: F_p grows by V_p P(t)
 // monotone for every k. Where k > kStiff each half kick has a force of its own, with b by the drag law at the mean
 // slip.
 #pragma once
@@ -21,11 +21,13 @@ namespace twogrid {
 
 class StepForces {
  public:
-  StepForces(const DragLaw& law, double density, double viscosity, bool formulation_A)
-      : law_(law), density_(density), viscosity_(viscosity), A_(formulation_A) {}
+  StepForces(const DragLaw& law, double density, double viscosity)
+      : law_(law), density_(density), viscosity_(viscosity) {}
 
   /// g (m/s2), for the buoyancy.
   void set_gravity(const Vec3& g) { gravity_ = g; }
+  /// Whether the pressure gradient's force is a force of its own, F_p, and b is b_p; else b is b_p/eps, F_p zero.
+  void set_pressure_force(bool on) { pressure_force_ = on; }
   /// Adds to f; sums up impulses. holding: the particles' mean motion, now, where the flux is held; else null.
   /// accumulate = false in set-up: the impulse of half a step, in place of the half step the last one would have had.
   /// Local.
@@ -52,7 +54,7 @@ class StepForces {
 
   const DragLaw& law_;
   double density_, viscosity_;
-  bool A_;
+  bool pressure_force_ = false;
   Vec3 gravity_{0, 0, 0};
   double decay_dt_ = 0;     // DEM step of the particles' kDecay (s); 0: none yet
   std::vector<int> stiff_;  // particles of the last step, for finish_step()

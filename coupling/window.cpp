@@ -137,6 +137,7 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
 void Window::wide_weights(const double x[3], Stencil& s) const {
   for (int d = 0; d < 3; ++d) {
     const Span& a = span_[d];
+    s.home[d] = a.find(x[d]);
     switch (spread_) {
       case Spread::kCell:  // see weights()
         break;

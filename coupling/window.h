@@ -94,7 +94,7 @@ class Window {
       wide_weights(x, s);
       return;
     }
-    for (int d = 0; d < 3; ++d) s.lo[d] = span_[d].find(x[d]), s.n[d] = 1, s.w[d][0] = 1;
+    for (int d = 0; d < 3; ++d) s.lo[d] = s.home[d] = span_[d].find(x[d]), s.n[d] = 1, s.w[d][0] = 1;
   }
 
   /// Place in a field of the window of the node that holds x.
@@ -105,8 +105,13 @@ class Window {
   Corners corners(const double x[3]) const {
     Corners c;
     int i[3];
-    for (int d = 0; d < 3; ++d) span_[d].between(x[d], i[d], c.w[d]);
+    int home[3];
+    for (int d = 0; d < 3; ++d) {
+      span_[d].between(x[d], i[d], c.w[d]);
+      home[d] = span_[d].uniform ? i[d] + (c.w[d] >= 0.5) : span_[d].find(x[d]) - box_.lo[d];
+    }
     c.at = place(i[0], i[1], i[2]);
+    c.home = place(home[0], home[1], home[2]);
     return c;
   }
   /// All directions uniform: node() of four particles at once, from one component of their positions at a time.
@@ -164,9 +169,10 @@ class Window {
     Four pair;
     truncate(t, pair);
     pair = pair < a.last ? pair : a.last;
-    const Four w = t - pair, at = (pair - a.first) * a.stride;
+    const Four w = t - pair, at = (pair - a.first) * a.stride, home = at + (w >= 0.5 ? a.stride : Four{0, 0, 0, 0});
     for (int d = 0; d < 3; ++d) c.w[d] = w[d];
     c.at = std::ptrdiff_t(at[0] + at[1] + at[2]);
+    c.home = std::ptrdiff_t(home[0] + home[1] + home[2]);
   }
   WindowShape shape() const {
     const int row = box_.size(0), slab = row * box_.size(1);

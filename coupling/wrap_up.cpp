@@ -30,7 +30,7 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
   for (std::size_t q = 0; q < n; ++q) {
     const int i = who[q];
     if (q + kAhead < n) {
-      __builtin_prefetch(p.state[who[q + kAhead]] + kPosition, 1);
+      for (int column : {kFluidVelocity, kPosition}) __builtin_prefetch(p.state[who[q + kAhead]] + column, 1);
       __builtin_prefetch(p.step[who[q + kAhead]], 1);
     }
     double *const s = p.state[i], *const step = p.step[i];
@@ -39,7 +39,7 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
     three_at(p.v[i], i + 1 == p.n, v);
     if (end.repeated > 0)
       for (int d = 0; d < 3; ++d) step[kImpulse + d] += end.repeated * (s[kDragForce + d] + s[kPressureForce + d]);
-    const Four impulse = four_at(step + kImpulse), u = four_at(step + kStepVelocity);
+    const Four impulse = four_at(step + kImpulse), u = four_at(s + kFluidVelocity);
     const double m = p.mass[i], b = s[kResponse];
     const double per_mass = held && p.held(i) ? 0.0 : 1 / m;
     const double response = b * mean_decay(b * end.interval * per_mass);

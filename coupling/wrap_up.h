@@ -11,10 +11,11 @@
 
 namespace twogrid {
 
-/// Of a particle, from wrap_up() to kick_and_read(): the drag that follows the fluid while it advances.
+/// Of a particle, from wrap_up() to kick_and_read(): the drag that follows the fluid while it advances. u_ref: u as the
+/// particle read it at the interval's begin (less what holding the flux has changed since).
 struct alignas(64) ImplicitDrag {
-  Four given;  ///< b' u_seen - I/D, three components (N); b' (kg/s)
-  Four seen;   ///< u_seen, three components (m/s); 1/m, or 0 where something holds the particle (1/kg)
+  Four given;  ///< b' u_ref - I/D, three components (N); b' (kg/s)
+  Four seen;   ///< u_ref, three components (m/s); 1/m, or 0 where something holds the particle (1/kg)
 };
 
 /// What is asked of all particles of a coupling. Largest values; 0 without particles.

@@ -55,6 +55,8 @@ system_test(min_fluidisation RANKS 1 TIMEOUT 400)
 add_test(NAME batch_script COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/system/batch_script.sh)
 set_tests_properties(batch_script PROPERTIES TIMEOUT 120 LABELS system)
 system_test(settling RANKS 1)
+system_test(mixtures RANKS 1 2)
+system_test(bed_end RANKS 1)
 
 # Hard cases: what is bounded and for how long stands in tests/stability/README.md.
 system_test(fine_cells FOLDER stability RANKS 1)
