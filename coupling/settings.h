@@ -40,9 +40,11 @@ struct Settings {
   FluidSettings fluid;
   std::string drag = "ergun/wenyu";
   Formulation formulation = Formulation::kB;
-  Deposit deposit = Deposit::kCentroid;
+  std::string method = "smooth";  ///< the named method (methods.h) that deposit, prolong and read come from
+  bool one_grid = false;          ///< it sees the particles on the fine cells: ratio must be 1 1 1
+  Deposit deposit = Deposit::kExact;
   Prolong prolong = Prolong::kConstant;
-  Read read = Read::kCell;
+  Read read = Read::kTrilinear;
   double kernel_width = 0;  ///< read kernel: full width (m)
   double cube_edge = 0;     ///< deposit/read cube: edge (m)
   EpsBound bound = EpsBound::kMove;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "coupling/drag.h"
+#include "coupling/methods.h"
 #include "words.h"
 
 namespace twogrid {
@@ -243,6 +244,13 @@ const std::vector<Keyword>& keywords() {
       {"formulation",
        [](Settings& s, Words& w) {
          s.formulation = Formulation(w.one_of("formulation", {"A", "B"}));
+       }},
+      {"method",
+       [](Settings& s, Words& w) {
+         const std::string name = w.word("method", "one of " + method_names());
+         const Method* method = find_method(name);
+         if (!method) refuse("method", name, "one of " + method_names());
+         choose(*method, method->length ? w.positive("method " + name, std::string("a ") + method->length) : 0.0, s);
        }},
       {"deposit",
        [](Settings& s, Words& w) {
@@ -561,6 +569,10 @@ void complete(Script& script, const BoxFacts& box) {
       refuse("read kernel", text(s.kernel_width),
              "a width that fits into the domain, " + text(length) + " in " + kAxis[d]);
   }
+  if (s.one_grid && s.ratio != Int3{1, 1, 1})
+    refuse("method " + s.method,
+           "ratio " + text(s.ratio[0]) + " " + text(s.ratio[1]) + " " + text(s.ratio[2]) + " in the fix command",
+           "ratio 1 1 1, for this method sees the particles on the fine cells; or one of the two-grid methods");
   if (s.output.every > 0 && s.output.file.empty()) refuse("output", "no file", "file and a name");
   if (s.output.every == 0 && !s.output.file.empty()) refuse("output", "no every", "every and a number of DEM steps");
   if (s.output.every > 0 && !script.every_auto && s.output.every % s.every != 0)

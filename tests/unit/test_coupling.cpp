@@ -9,6 +9,7 @@
 
 #include "coupling/coupling.h"
 #include "coupling/drag.h"
+#include "coupling/methods.h"
 #include "coupling_fakes.h"
 
 namespace twogrid_test {
@@ -45,6 +46,7 @@ struct OneBody {
     s.formulation = form;
     s.eps_min = 0.2;
     s.every = dem_steps;
+    choose(*find_method("paper"), 0, s);  // eight bodies, one in each node
     settings = s;
     volume = 8 * h * h * h;
   }
@@ -261,6 +263,7 @@ struct SmallBox {
     settings.ratio = {2, 2, 2};
     settings.fine = {8, 8, 16};
     settings.drag = "ergun/wenyu";
+    choose(*find_method("paper"), 0, settings);
     settings.hold_flux = Choice::kOff;
   }
   void add(const Vec3& x, const Vec3& v, int tag, double radius = 0.05) { add(x, v, tag, radius, x); }

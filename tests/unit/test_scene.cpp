@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupling/methods.h"
 #include "liggghts_fixes/command_line.h"
 #include "liggghts_fixes/progress.h"
 #include "liggghts_fixes/scene_report.h"
@@ -18,6 +19,7 @@ namespace {
 Settings scene() {
   Settings s;
   s.id = "gas";
+  choose(*find_method("paper"), 0, s);
   s.domain = {0, 0.04, 0, 0.01, 0, 0.2};
   s.fine = {40, 10, 200};
   s.ratio = {4, 5, 4};

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "coupling/methods.h"
 #include "liggghts_fixes/script_parser.h"
 #include "liggghts_fixes/words.h"
 
@@ -123,6 +124,33 @@ TEST(ScriptModify, EveryKeywordReachesItsMember) {
   EXPECT_EQ(s.settings.output.every, 0);
   EXPECT_EQ(s.settings.cube_edge, 0.003);
   EXPECT_EQ(s.settings.read, Read::kCube);
+}
+
+// A method's name sets what the literature means by it, whatever was said before; words after it set their part.
+TEST(ScriptModify, MethodsByName) {
+  Script s = fix();
+  EXPECT_EQ(s.settings.method, kDefaultMethod);
+  const Method* const usual = find_method(kDefaultMethod);
+  ASSERT_TRUE(usual);
+  EXPECT_EQ(s.settings.deposit, usual->deposit);
+  EXPECT_EQ(s.settings.prolong, usual->prolong);
+  EXPECT_EQ(s.settings.read, usual->read);
+  modify(s, "prolong linear method paper");
+  EXPECT_EQ(s.settings.deposit, Deposit::kCentroid);
+  EXPECT_EQ(s.settings.prolong, Prolong::kConstant);
+  EXPECT_EQ(s.settings.read, Read::kCell);
+  modify(s, "method cube 0.003 eps bound clip 0.35");
+  EXPECT_EQ(s.settings.deposit, Deposit::kCube);
+  EXPECT_EQ(s.settings.read, Read::kCube);
+  EXPECT_EQ(s.settings.cube_edge, 0.003);
+  EXPECT_EQ(s.settings.bound, EpsBound::kClip);
+  modify(s, "method smooth read cell");
+  EXPECT_EQ(s.settings.read, Read::kCell);
+  EXPECT_FALSE(s.settings.one_grid);
+  modify(s, "method kernel 2e-3");
+  EXPECT_EQ(s.settings.kernel_width, 2e-3);
+  for (const char* wrong : {"method", "method best", "method cube", "method kernel 0", "method single 3"})
+    EXPECT_THROW(modify(s, wrong), std::invalid_argument) << wrong;
 }
 
 TEST(ScriptModify, WordsOfEnumsStandForTheirNames) {
