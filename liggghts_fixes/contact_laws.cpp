@@ -3,6 +3,7 @@
 #include <atom.h>
 #include <force.h>
 #include <lammps.h>
+#include <property_registry.h>
 #include <update.h>
 
 #include <algorithm>
@@ -36,18 +37,20 @@ ContactSettings read_contact_settings(const std::vector<std::string>& words) {
 
 ContactLaws::ContactLaws(LAMMPS_NS::LAMMPS& lammps, const ContactSettings& settings)
     : settings_(settings), types_(lammps.atom->ntypes + 1), law_(std::size_t(types_) * types_) {
+  // LIGGGHTS' tables, made anew in every set-up, reach to the highest type in use: by a particle, a wall, an insertion.
+  int used = types_;
   auto matrix = [&](const char* name) {
-    double** m = nullptr;
-    lammps.force->registry.connect(name, m, "twogrid contacts");
-    return m;
+    const MatrixProperty& table = *lammps.force->registry.getMatrixProperty(name, "twogrid contacts");
+    used = std::min({used, table.rows, table.cols});
+    return table.data;
   };
   double **kn = matrix("k_n"), **kt = matrix("k_t"), **mu = matrix("coeffFrict");
   double** gn = matrix(settings.absolute_damping ? "gamman_abs" : "gamman");
   double** gt = matrix(settings.absolute_damping ? "gammat_abs" : "gammat");
   const double unit = lammps.force->nktv2p;
   one_ = true;
-  for (int i = 1; i < types_; ++i)
-    for (int j = 1; j < types_; ++j) {
+  for (int i = 1; i < used; ++i)
+    for (int j = 1; j < used; ++j) {
       law_[i * types_ + j] = {kn[i][j] / unit, kt[i][j] / unit, gn[i][j], settings.tangential_damping ? gt[i][j] : 0.0,
                               mu[i][j]};
       one_ = one_ && numbers(law_[i * types_ + j]) == numbers(law_[types_ + 1]);

@@ -23,7 +23,8 @@ ContactSettings read_contact_settings(const std::vector<std::string>& words);
 
 class ContactLaws {
  public:
-  /// Reads LIGGGHTS' material tables, which its own model must have asked for before.
+  /// Reads LIGGGHTS' material tables, which its own model must have asked for before, for this run. Types that nothing
+  /// uses in it have laws of zeros.
   ContactLaws(LAMMPS_NS::LAMMPS& lammps, const ContactSettings& settings);
   /// For this step; frozen: bits of particles of infinite mass.
   ContactStep step(LAMMPS_NS::LAMMPS& lammps, bool advance, int frozen) const;

@@ -138,9 +138,10 @@ IGranularPairStyle* make_contacts(LAMMPS* lammps, PairGran* parent, int64_t hash
 void register_contacts(const ContactKernel& kernel) {
   chosen_kernel = &kernel;
   auto& table = LIGGGHTS::PairStyles::Factory::instance().*member(StyleTable());
-  Creator& creator = table[{"gran", kVariant}];
-  stock_creator = creator;
-  creator = make_contacts;
+  const auto style = table.find({"gran", kVariant});
+  if (style == table.end()) return;  // a LIGGGHTS built without it evaluates it by its general way
+  stock_creator = style->second;
+  style->second = make_contacts;
 }
 
 std::string contacts_text(LAMMPS& lammps) {

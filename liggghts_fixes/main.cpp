@@ -37,6 +37,8 @@ int run_script(LAMMPS_NS::LAMMPS& lammps) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Whole lines are out at once, also where the output is a file or a pipe and a run doesn't end well.
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   MPI_Init(&argc, &argv);
   MPI_Comm errors;
   MPI_Comm_dup(MPI_COMM_WORLD, &errors);
@@ -58,10 +60,11 @@ int main(int argc, char** argv) {
     std::vector<char*> words;
     for (std::string& w : line.liggghts) words.push_back(w.data());
     lammps = new LAMMPS_NS::LAMMPS(int(words.size()), words.data(), MPI_COMM_WORLD);
-    twogrid::register_styles(*lammps);
-    twogrid::register_particles(*lammps, line.particles);
+    twogrid::keep_sentences(lammps);
+    twogrid::register_styles(*lammps, line.particles);
     const int signal = run_script(*lammps);
     status = signal == 0 ? 0 : 128 + signal;
+    twogrid::keep_sentences(nullptr);
     delete lammps;
   } catch (const std::exception& e) {
     twogrid::end_with_error(lammps, errors, e.what());

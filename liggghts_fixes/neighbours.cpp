@@ -21,6 +21,9 @@ struct History : FixContactHistory {
   static double** values(FixContactHistory& f) { return f.*&History::contacthistory_; }
 };
 
+/// Bins a particle from which on LIGGGHTS' own way is faster: it visits the bins near particles only (measured with
+/// 2000 particles: even at some 200).
+constexpr double kManyBins = 100;
 constexpr int kLanes = 4;  // of the kernel
 constexpr double kNowhere = 1e300;
 
@@ -66,7 +69,8 @@ void Neighbours::find_runs(const NeighList& list) {
 
 void Neighbours::find_pairs(NeighList* list) {
   FixContactHistory* const history = list->fix_history;
-  if (includegroup || exclude || !history || !list->listgranhistory) {
+  const bool sparse = mbins > kManyBins * (atom->nlocal + atom->nghost + 1.0);
+  if (includegroup || exclude || sparse || !history || !list->listgranhistory) {
     granular_bin_no_newton(list);
     return;
   }
@@ -120,8 +124,9 @@ void Neighbours::find_pairs(NeighList* list) {
 }
 
 void replace_neighbour_lists(LAMMPS& lammps, const ContactKernel& kernel) {
-  delete lammps.neighbor;
-  lammps.neighbor = new Neighbours(&lammps, kernel);
+  Neighbor* const stock = lammps.neighbor;
+  lammps.neighbor = new Neighbours(*stock, kernel);
+  ::operator delete(stock);  // not its destructor: what it owned is the new one's
 }
 
 }  // namespace twogrid

@@ -12,7 +12,8 @@ namespace twogrid {
 
 class Neighbours : public LAMMPS_NS::Neighbor {
  public:
-  Neighbours(LAMMPS_NS::LAMMPS* lammps, const ContactKernel& kernel) : Neighbor(lammps), kernel_(kernel) {}
+  /// Takes over the settings, and all that stock owns.
+  Neighbours(const LAMMPS_NS::Neighbor& stock, const ContactKernel& kernel) : Neighbor(stock), kernel_(kernel) {}
 
  protected:
   /// LIGGGHTS chooses; where that is granular_bin_no_newton, find_pairs() takes its place.
@@ -31,7 +32,7 @@ class Neighbours : public LAMMPS_NS::Neighbor {
   std::vector<int> found_;
 };
 
-/// From here on LIGGGHTS finds pairs by it. Call right after LIGGGHTS is made.
+/// From here on LIGGGHTS finds pairs by it. Call before the box is made; what the script has said of lists stays.
 void replace_neighbour_lists(LAMMPS_NS::LAMMPS& lammps, const ContactKernel& kernel);
 
 }  // namespace twogrid

@@ -3,9 +3,10 @@
 #include <input.h>
 #include <lammps.h>
 #include <modify.h>
-#include <run.h>
 
+#include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "fix_order.h"
 #include "fix_plane_wall.h"
@@ -43,11 +44,6 @@ LAMMPS_NS::Fix* make_fix_twogrid(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg
   return new twogrid::FixTwogrid(lammps, narg, arg);
 }
 
-void run(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
-  twogrid::move_behind_forces(*lammps, twogrid::FixTwogrid::kStyle);
-  LAMMPS_NS::Run(lammps).command(narg, arg);
-}
-
 FixCreator stock_wall = nullptr;  // LIGGGHTS' own, as its map held it
 const twogrid::ContactKernel* contact_kernel = nullptr;
 
@@ -64,28 +60,61 @@ LAMMPS_NS::Fix* make_weight(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
   return new twogrid::FixWeight(lammps, narg, arg, *contact_kernel);
 }
 
-}  // namespace
-
-namespace twogrid {
-
-void register_particles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel) {
-  if (kernel == "stock") return;
-  contact_kernel = find_contact_kernel(kernel.c_str());
-  if (!contact_kernel)
-    throw std::invalid_argument("command line: found -particles " + kernel +
-                                ", wanted auto, stock, plain, AVX2 or AVX-512 (where this processor has it)");
+void register_fixes(LAMMPS_NS::LAMMPS& lammps) {
   auto& fixes = *(lammps.modify->*member(FixMap{}));
+  fixes[twogrid::FixTwogrid::kStyle] = make_fix_twogrid;
+  if (!contact_kernel) return;
   fixes["nve/sphere"] = make_sphere_motion;
   fixes["gravity"] = make_weight;
   stock_wall = fixes["wall/gran"];
   fixes["wall/gran"] = make_wall;
-  register_contacts(*contact_kernel);
-  replace_neighbour_lists(lammps, *contact_kernel);
+  twogrid::replace_neighbour_lists(lammps, *contact_kernel);
 }
 
-void register_styles(LAMMPS_NS::LAMMPS& lammps) {
-  (*(lammps.modify->*member(FixMap{})))[FixTwogrid::kStyle] = make_fix_twogrid;
-  (*(lammps.input->*member(CommandMap{})))["run"] = run;
+std::map<std::string, CommandCreator> stock_command;  // LIGGGHTS' own, of those that are replaced
+
+/// Every fix needs a box, and `clear` takes the box away: what makes one comes before any fix of a LIGGGHTS that
+/// `clear` has made anew, without our styles.
+template <const char* const& kName>
+void make_box(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  if (!(lammps->modify->*member(FixMap{}))->count(twogrid::FixTwogrid::kStyle)) register_fixes(*lammps);
+  stock_command[kName](lammps, narg, arg);
+}
+
+template <const char* const& kName>
+void run(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  twogrid::move_behind_forces(*lammps, twogrid::FixTwogrid::kStyle);
+  stock_command[kName](lammps, narg, arg);
+}
+
+constexpr const char *kCreateBox = "create_box", *kReadData = "read_data", *kReadRestart = "read_restart", *kRun = "run",
+                     *kRunTime = "run_time";
+
+}  // namespace
+
+namespace twogrid {
+
+void register_styles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel) {
+  if (kernel != "stock") {
+    contact_kernel = find_contact_kernel(kernel.c_str());
+    if (!contact_kernel)
+      throw std::invalid_argument("command line: found -particles " + kernel +
+                                  ", wanted auto, stock, plain, AVX2 or AVX-512 (where this processor has it)");
+    register_contacts(*contact_kernel);
+  }
+  register_fixes(lammps);
+  auto& commands = *(lammps.input->*member(CommandMap{}));
+  const std::pair<const char*, CommandCreator> replaced[] = {{kCreateBox, make_box<kCreateBox>},
+                                                             {kReadData, make_box<kReadData>},
+                                                             {kReadRestart, make_box<kReadRestart>},
+                                                             {kRun, run<kRun>},
+                                                             {kRunTime, run<kRunTime>}};
+  for (const auto& [name, ours] : replaced) {
+    const auto stock = commands.find(name);
+    if (stock == commands.end()) continue;
+    stock_command[name] = stock->second;
+    stock->second = ours;
+  }
 }
 
 }  // namespace twogrid

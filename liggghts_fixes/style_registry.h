@@ -9,15 +9,15 @@ class LAMMPS;
 
 namespace twogrid {
 
-/// Registers fix twogrid, and a `run` command that first moves fix twogrid behind all fixes that add forces: the
-/// drag rescales the total force, so that it has to come last. To be called once, right after LAMMPS is
-/// made. Not collective.
-void register_styles(LAMMPS_NS::LAMMPS& lammps);
-
+/// Registers fix twogrid, in this LIGGGHTS and in every one that the script's `clear` makes after it, and commands `run`
+/// and `run_time` that first move fix twogrid behind all fixes that add forces: the drag rescales the total force, so
+/// that it has to come last.
+///
 /// Puts our own code, of the same results to the last bit, in the place of LIGGGHTS' for contacts of particles
-/// (pair_style gran model hooke/stiffness tangential history), plane walls of that law, and nve/sphere. kernel: "auto",
-/// "AVX2", "AVX-512", or "stock", which leaves LIGGGHTS as it is. Throws std::invalid_argument for a kernel that the
-/// processor can't run. Call once, before the script is read.
-void register_particles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel);
+/// (pair_style gran model hooke/stiffness tangential history), plane walls of that law, nve/sphere, gravity and
+/// neighbour lists. kernel: "auto", "AVX2", "AVX-512", or "stock", which leaves LIGGGHTS as it is. Throws
+/// std::invalid_argument for a kernel that the processor can't run. Call once, before the script is read. Not
+/// collective.
+void register_styles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel);
 
 }  // namespace twogrid
