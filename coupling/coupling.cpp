@@ -852,8 +852,8 @@ void Coupling::finish_step(Particles& p) {
 void Coupling::repeat_force() {
   impl_->repeat_force();
 }
-void Coupling::set_gravity(const Vec3& g) {
-  impl_->forces_.set_gravity(g);
+void Coupling::set_gravity(const std::vector<Weight>& weights) {
+  impl_->forces_.set_gravity(weights);
 }
 
 const Report& Coupling::report() const {

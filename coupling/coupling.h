@@ -87,9 +87,9 @@ class Coupling {
   /// At the end of every DEM step, after the last half kick: turns the force into that of the next half kick. Differs
   /// from nothing only for steps that are long against a particle's response time. Not in set-up. Local.
   void finish_step(Particles& p);
-  /// g (m/s2), for the buoyancy -V_p rho_f g: p is the dynamic pressure, its hydrostatic part is not in the fluid's
-  /// equations. Not called: none.
-  void set_gravity(const Vec3& g);
+  /// For the buoyancy -V_p rho_f g: p is the dynamic pressure, its hydrostatic part is not in the fluid's equations. Not
+  /// called: none.
+  void set_gravity(const std::vector<Weight>& weights);
 
   const Report& report() const;
   const Shares& shares() const;

@@ -1,6 +1,8 @@
 // The particles as the coupling sees them: arrays owned by someone else (LIGGGHTS, or a test).
 #pragma once
 
+#include "../cfd/box.h"
+
 namespace twogrid {
 
 /// Columns of the state that the coupling keeps with every particle. It migrates and restarts with the particle; a new
@@ -29,6 +31,12 @@ enum StepColumn {
   kImpulse = 4,          ///< 4-6 momentum received from the fluid since the last coupling (kg m/s)
   kDecay = 7,            ///< 7 phi(b_p dt/m) of StepForces; 0: not known, or the step is stiff
   kStepColumns = 8
+};
+
+/// An acceleration (m/s2) of the particles whose mask has one of the bits of group (~0: of all); several add up.
+struct Weight {
+  int group;
+  Vec3 g;
 };
 
 /// A view of this rank's own particles (no ghosts). Positions may lie up to half a skin outside the rank's box.

@@ -11,9 +11,9 @@ namespace {
 constexpr int kAhead = 8;
 static_assert(kDragCoefficient == kStepVelocity + 3 && kImpulse == kDragCoefficient + 1 && kDecay == kImpulse + 3);
 
-template <bool kPressure, bool kWatched>
+template <bool kPressure, bool kWatched, bool kByGroup>
 inline int add(const Particles& p, const PlainStep& step, int* left) {
-  const Four g{step.g[0], step.g[1], step.g[2], 0};
+  Four g{step.g[0], step.g[1], step.g[2], 0};
   int count = 0;
   for (int i = 0; i < p.n; ++i) {
     if (!p.takes_part(i)) continue;
@@ -31,6 +31,12 @@ inline int add(const Particles& p, const PlainStep& step, int* left) {
     Four other, v;
     three_at(f, last, other);
     three_at(p.v[i], last, v);
+    if (kByGroup) {
+      g = Four{0, 0, 0, 0};
+      for (int w = 0; w < step.groups; ++w)
+        if (!p.mask || (p.mask[i] & step.by_group[w].group))
+          for (int d = 0; d < 3; ++d) g[d] += step.by_group[w].g[d];
+    }
     other += step.lift * sphere_volume(p.radius[i]) * g;
     Four force = other;
     if (kPressure) force += four_at(s + kPressureForce);
@@ -49,8 +55,9 @@ inline int add(const Particles& p, const PlainStep& step, int* left) {
 }  // namespace
 
 TWOGRID_VECTORISED int add_plain_forces(const Particles& p, const PlainStep& step, bool pressure, int* left) {
-  if (p.watched) return pressure ? add<true, true>(p, step, left) : add<false, true>(p, step, left);
-  return pressure ? add<true, false>(p, step, left) : add<false, false>(p, step, left);
+  if (step.groups > 0) return pressure ? add<true, true, true>(p, step, left) : add<false, true, true>(p, step, left);
+  if (p.watched) return pressure ? add<true, true, false>(p, step, left) : add<false, true, false>(p, step, left);
+  return pressure ? add<true, false, false>(p, step, left) : add<false, false, false>(p, step, left);
 }
 
 }  // namespace twogrid

@@ -11,6 +11,8 @@ namespace twogrid {
 struct PlainStep {
   double dt, lift;  ///< s; -rho_f (kg/m3)
   Vec3 g;           ///< m/s2
+  const Weight* by_group = nullptr;  ///< in place of g, where the particles' weights are not all alike
+  int groups = 0;
 };
 
 /// f <- phi (f - V_p rho_f g + F_p + b (u - v)), phi = kDecay; impulse and, where watched, drag of the step are noted.

@@ -15,6 +15,26 @@ constexpr int kStiffRounds = 4;
 
 }  // namespace
 
+void StepForces::set_gravity(const std::vector<Weight>& weights) {
+  gravity_ = {0, 0, 0};
+  by_group_.clear();
+  const auto of_all = [](const Weight& w) { return w.group == ~0; };
+  if (std::all_of(weights.begin(), weights.end(), of_all)) {
+    for (const Weight& w : weights)
+      for (int d = 0; d < 3; ++d) gravity_[d] += w.g[d];
+  } else {
+    by_group_ = weights;
+  }
+}
+
+Vec3 StepForces::gravity_of(const Particles& p, int i) const {
+  Vec3 g{0, 0, 0};
+  for (const Weight& w : by_group_)
+    if (!p.mask || (p.mask[i] & w.group))
+      for (int d = 0; d < 3; ++d) g[d] += w.g[d];
+  return g;
+}
+
 void StepForces::operator()(Particles& p, double dem_dt, bool accumulate, MeanMotion* holding) {
   const bool held = compiled::kHeld && p.some_held();
   stiff_.clear();
@@ -39,7 +59,8 @@ void StepForces::on_all(Particles& p, double dem_dt, bool accumulate, MeanMotion
 void StepForces::plain(Particles& p, double dem_dt) {
   if (dem_dt != decay_dt_) find_decay(p, dem_dt);
   left_.resize(p.n);
-  const int left = add_plain_forces(p, {dem_dt, -density_, gravity_}, pressure_force_, left_.data());
+  const PlainStep step{dem_dt, -density_, gravity_, by_group_.data(), int(by_group_.size())};
+  const int left = add_plain_forces(p, step, pressure_force_, left_.data());
   for (int q = 0; q < left; ++q) on<false, false>(p, left_[q], dem_dt, true, nullptr);
 }
 
@@ -62,9 +83,10 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
     volume = pressure_force_ ? sphere : 0.0;
     response = s[kResponse] / s[kVoidFraction];
   }
+  const Vec3 gravity = by_group_.empty() ? gravity_ : gravity_of(p, i);
   Vec3 other, slip, steady;
   for (int d = 0; d < 3; ++d) {
-    other[d] = p.f[i][d] + buoyancy * gravity_[d];
+    other[d] = p.f[i][d] + buoyancy * gravity[d];
     slip[d] = p.step[i][kStepVelocity + d] - c[d] - p.v[i][d];
     steady[d] = other[d] + s[kPressureForce + d] + volume * pressure[d];
   }

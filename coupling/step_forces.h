@@ -24,8 +24,8 @@ class StepForces {
   StepForces(const DragLaw& law, double density, double viscosity)
       : law_(law), density_(density), viscosity_(viscosity) {}
 
-  /// g (m/s2), for the buoyancy.
-  void set_gravity(const Vec3& g) { gravity_ = g; }
+  /// For the buoyancy. Looked at particle by particle only where one is not of all.
+  void set_gravity(const std::vector<Weight>& weights);
   /// Whether the pressure gradient's force is a force of its own, F_p, and b is b_p; else b is b_p/eps, F_p zero.
   void set_pressure_force(bool on) { pressure_force_ = on; }
   /// Adds to f; sums up impulses. holding: the particles' mean motion, now, where the flux is held; else null.
@@ -54,8 +54,11 @@ class StepForces {
 
   const DragLaw& law_;
   double density_, viscosity_;
+  Vec3 gravity_of(const Particles& p, int i) const;
+
   bool pressure_force_ = false;
-  Vec3 gravity_{0, 0, 0};
+  Vec3 gravity_{0, 0, 0};        // of all particles, where by_group_ is empty
+  std::vector<Weight> by_group_;
   double decay_dt_ = 0;     // DEM step of the particles' kDecay (s); 0: none yet
   std::vector<int> stiff_;  // particles of the last step, for finish_step()
   std::vector<int> left_;   // by add_plain_forces()

@@ -203,6 +203,7 @@ void FixTwogrid::grow_arrays(int) {
 
 int FixTwogrid::modify_param(int narg, char** arg) {
   guarded([&] {
+    set_up_ = false;
     parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ != nullptr);
     if (!script_.settings.output.file.empty()) check(script_.settings.output);
   });
@@ -289,7 +290,8 @@ void FixTwogrid::init() {
     if (!(update->dt > 0)) refuse("timestep", text(update->dt), "a DEM step above 0 (s)");
     if (chosen_skin_ > 0) neighbor->skin = chosen_skin_;  // whatever the script has said since
     if (!fluid_) build();
-    coupling_->set_gravity(scene_facts(*lmp, groupbit).gravity);
+    coupling_->set_gravity(find_weights(*lmp, false));
+    gravity_varies_ = weights_vary(*lmp);
     resolve_names();
     for (int side = 0; side < 6; ++side)
       for (std::size_t c = 0; c < script_.settings.fluid.side[side].size(); ++c) {
@@ -443,7 +445,8 @@ void FixTwogrid::setup(int) {
     Particles p = particles();
     // Not before: LIGGGHTS sets the state of a new fix to its defaults at the beginning of set-up.
     coupling_->start(p, update->dt);
-    started_ = true;
+    started_ = set_up_ = true;
+    if (gravity_varies_) coupling_->set_gravity(find_weights(*lmp, true));
     coupling_->force(p, update->dt, false);
 
     if (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_) write_frame(p);
@@ -459,6 +462,9 @@ void FixTwogrid::setup(int) {
 
 void FixTwogrid::pre_force(int) {
   guarded([&] {
+    if (!set_up_)
+      refuse("run", "'pre no' after fix or fix_modify twogrid",
+             "a run with set-up, which is LIGGGHTS' default: leave 'pre no' out");
     ++steps_since_coupling_;
     time_since_coupling_ += update->dt;
     coupled_now_ = compiled::kAccuracy && accuracy_.on() && script_.every_auto
@@ -534,6 +540,7 @@ void FixTwogrid::post_force(int) {
   }
   guarded([&] {
     Particles p = particles();
+    if (gravity_varies_) coupling_->set_gravity(find_weights(*lmp, true));
     coupling_->force(p, update->dt, true);
   });
 }
@@ -567,6 +574,7 @@ void FixTwogrid::write_frame(const Particles& p) {
 }
 
 void FixTwogrid::post_run() {
+  if (!set_up_) return;
   guarded([&] {
     if (output_) output_->finish();
     const Shares s = coupling_->shares() - shares_begin_;

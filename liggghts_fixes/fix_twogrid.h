@@ -101,11 +101,13 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::unique_ptr<Balance> balance_;  // null: not wanted
   bool balance_said_ = false;
 
+  bool set_up_ = false;           // LIGGGHTS has set up a run since this fix was made or modified
   bool started_ = false;          // the coupling has deposited once
   int steps_since_coupling_ = 0;  // DEM steps that the particles have run since the last coupling
   double time_since_coupling_ = 0;
   bool coupled_now_ = false;  // this step is a coupling
   int moving_groups_ = ~0, frozen_groups_ = 0;
+  bool gravity_varies_ = false;
   bool still_ = false;        // no fix of this run moves particles
   bool watchers_ = true;      // see find_watchers()
   bool quiet_ = false;        // this step changes nothing

@@ -39,6 +39,9 @@ void read_particles(LAMMPS& lammps, int groupbit, SceneFacts& facts) {
   MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPI_DOUBLE, MPI_SUM, lammps.world);
   MPI_Allreduce(MPI_IN_PLACE, extreme, 2, MPI_DOUBLE, MPI_MAX, lammps.world);
   facts.particles = std::llround(sum[0]);
+  long long all = atom.nlocal;
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_LONG_LONG, MPI_SUM, lammps.world);
+  facts.others = all - facts.particles;
   if (facts.particles > 0) {
     facts.d_mean = sum[1] / sum[0];
     facts.d_min = -extreme[0];
@@ -59,6 +62,34 @@ void read_particles(LAMMPS& lammps, int groupbit, SceneFacts& facts) {
     facts.d_max = 2 * hi;
     facts.d_mean = 0.5 * (facts.d_min + facts.d_max);
   }
+}
+
+struct Gravity : FixGravity {
+  static bool follows_variable(FixGravity& fix) { return fix.*&Gravity::varflag != 0; }
+};
+bool follows_variable(FixGravity& fix) {
+  return Gravity::follows_variable(fix);
+}
+
+std::vector<FixGravity*> gravity_fixes(LAMMPS& lammps) {
+  std::vector<FixGravity*> found;
+  for (int f = 0; f < lammps.modify->nfix; ++f)
+    if (auto* gravity = dynamic_cast<FixGravity*>(lammps.modify->fix[f])) found.push_back(gravity);
+  return found;
+}
+
+/// The mean over the particles of the group; where there are none yet, of fixes for group all.
+void read_gravity(LAMMPS& lammps, int groupbit, SceneFacts& facts) {
+  const Atom& atom = *lammps.atom;
+  for (const Weight& weight : find_weights(lammps, false)) {
+    long long in = 0;
+    for (int i = 0; i < atom.nlocal; ++i) in += (atom.mask[i] & groupbit) && (atom.mask[i] & weight.group);
+    MPI_Allreduce(MPI_IN_PLACE, &in, 1, MPI_LONG_LONG, MPI_SUM, lammps.world);
+    const double share = facts.particles > 0 ? double(in) / double(facts.particles) : weight.group == ~0;
+    for (int d = 0; d < 3; ++d) facts.gravity[d] += share * weight.g[d];
+    facts.weights_differ |= facts.particles > 0 && in > 0 && in < facts.particles;
+  }
+  facts.gravity_varies = weights_vary(lammps);
 }
 
 void read_walls(LAMMPS& lammps, SceneFacts& facts) {
@@ -157,15 +188,26 @@ void read_equal_stiffness(LAMMPS& lammps, SceneFacts& facts) {
 
 }  // namespace
 
+std::vector<Weight> find_weights(LAMMPS& lammps, bool running) {
+  std::vector<Weight> weights;
+  for (FixGravity* fix : gravity_fixes(lammps)) {
+    if (!running && follows_variable(*fix)) continue;
+    Weight weight{fix->groupbit & 1 ? ~0 : fix->groupbit, {0, 0, 0}};  // the first bit is group all's
+    fix->get_gravity(weight.g.data());
+    weights.push_back(weight);
+  }
+  return weights;
+}
+
+bool weights_vary(LAMMPS& lammps) {
+  const std::vector<FixGravity*> fixes = gravity_fixes(lammps);
+  return std::any_of(fixes.begin(), fixes.end(), [](FixGravity* fix) { return follows_variable(*fix); });
+}
+
 SceneFacts scene_facts(LAMMPS& lammps, int groupbit) {
   SceneFacts facts;
   read_particles(lammps, groupbit, facts);
-  for (int f = 0; f < lammps.modify->nfix; ++f)
-    if (auto* gravity = dynamic_cast<FixGravity*>(lammps.modify->fix[f])) {
-      double g[3] = {0, 0, 0};
-      gravity->get_gravity(g);
-      for (int d = 0; d < 3; ++d) facts.gravity[d] += g[d];
-    }
+  read_gravity(lammps, groupbit, facts);
   read_walls(lammps, facts);
   facts.dem_dt = lammps.update->dt;
   facts.skin = lammps.neighbor->skin;

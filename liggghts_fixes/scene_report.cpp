@@ -268,7 +268,11 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
   } else {
     line("particles", "none yet");
   }
-  line("gravity", three(facts.gravity) + " m/s2");
+  if (facts.others > 0)
+    line("outside the group", std::to_string(facts.others) + " particles that the fluid doesn't see: no volume, no drag");
+  line("gravity", three(facts.gravity) + " m/s2" +
+                      (facts.weights_differ ? " on average: not all particles have the same" : "") +
+                      (facts.gravity_varies ? ", and what follows a variable" : ""));
   if (n.U > 0) line("velocity U", brief(n.U) + " m/s");
   if (n.Umf > 0) line("U_mf", brief(n.Umf) + " m/s (Ergun, eps 0.4), U/U_mf " + brief(n.U / n.Umf));
   if (n.Re > 0) line("Re = rho U d/mu", brief(n.Re));

@@ -26,7 +26,10 @@ struct SceneFacts {
   long long particles = 0;                  ///< in the fix's group
   double d_min = 0, d_mean = 0, d_max = 0;  ///< m; of the templates where there are no particles yet; 0: unknown
   double density = 0;                       ///< of the particles, kg/m3; 0: unknown
-  Vec3 gravity{0, 0, 0};                    ///< m/s2
+  long long others = 0;                     ///< particles outside the fix's group
+  Vec3 gravity{0, 0, 0};                    ///< mean over the particles, m/s2
+  bool weights_differ = false;              ///< fixes gravity for parts of the particles
+  bool gravity_varies = false;              ///< there is one that follows a variable: not in the mean
   double dem_dt = 0;                        ///< s
   double skin = 0;                          ///< of LIGGGHTS' neighbour lists (m); 0: unknown
   double script_skin = -1;                  ///< the script's, where -skin best has taken another (m); else -1

@@ -3,10 +3,12 @@
 #include <input.h>
 #include <lammps.h>
 #include <modify.h>
+#include <update.h>
 
 #include <map>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "fix_order.h"
 #include "fix_plane_wall.h"
@@ -15,6 +17,7 @@
 #include "fix_weight.h"
 #include "granular_contacts.h"
 #include "neighbours.h"
+#include "words.h"
 
 namespace {
 
@@ -81,10 +84,28 @@ void make_box(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
   stock_command[kName](lammps, narg, arg);
 }
 
+/// Fixes of the last run: LIGGGHTS calls them by their places in the list.
+std::vector<LAMMPS_NS::Fix*> fixes_of_run;
+bool fluid_in_run = false;
+
+bool without_setup(int narg, char** arg) {
+  for (int i = 1; i + 1 < narg && std::string(arg[i]) != "every"; ++i)
+    if (std::string(arg[i]) == "pre" && std::string(arg[i + 1]) == "no") return true;
+  return false;
+}
+
 template <const char* const& kName>
 void run(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  LAMMPS_NS::Modify& modify = *lammps->modify;
+  const auto fixes = [&] { return std::vector<LAMMPS_NS::Fix*>(modify.fix, modify.fix + modify.nfix); };
+  const bool fluid = modify.n_fixes_style_strict(twogrid::FixTwogrid::kStyle) > 0;
+  if (without_setup(narg, arg) && lammps->update->first_update && (fluid || fluid_in_run) && fixes() != fixes_of_run)
+    twogrid::refuse(kName, "'pre no' after a fix was added or deleted since the last run",
+                    "a run with set-up, which is LIGGGHTS' default: leave 'pre no' out");
   twogrid::move_behind_forces(*lammps, twogrid::FixTwogrid::kStyle);
   stock_command[kName](lammps, narg, arg);
+  fixes_of_run = fixes();
+  fluid_in_run = fluid;
 }
 
 constexpr const char *kCreateBox = "create_box", *kReadData = "read_data", *kReadRestart = "read_restart", *kRun = "run",
