@@ -9,8 +9,8 @@ namespace twogrid {
 
 /// What all particles of a step have in common.
 struct PlainStep {
-  double dt, lift;  ///< s; -rho_f (kg/m3)
-  Vec3 g;           ///< m/s2
+  double dt, lift;                   ///< s; -rho_f (kg/m3)
+  Vec3 g;                            ///< m/s2
   const Weight* by_group = nullptr;  ///< in place of g, where the particles' weights are not all alike
   int groups = 0;
 };

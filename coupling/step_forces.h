@@ -51,13 +51,12 @@ class StepForces {
   double law_at(const Particles& p, int i, const Vec3& slip) const;
   void stiff_forces(const Particles& p, int i, double k_per_b, double dem_dt, const Vec3& steady, const Vec3& slip,
                     bool ends_a_step, Vec3& first, Vec3& second) const;
+  Vec3 gravity_of(const Particles& p, int i) const;
 
   const DragLaw& law_;
   double density_, viscosity_;
-  Vec3 gravity_of(const Particles& p, int i) const;
-
   bool pressure_force_ = false;
-  Vec3 gravity_{0, 0, 0};        // of all particles, where by_group_ is empty
+  Vec3 gravity_{0, 0, 0};  // of all particles, where by_group_ is empty
   std::vector<Weight> by_group_;
   double decay_dt_ = 0;     // DEM step of the particles' kDecay (s); 0: none yet
   std::vector<int> stiff_;  // particles of the last step, for finish_step()

@@ -78,6 +78,18 @@ int values_in_restart(Modify& modify, const std::string& id) {
   return -1;
 }
 
+/// The ID of a fix twogrid whose state the restart file that was read holds; empty: of none.
+std::string id_in_restart(Modify& modify) {
+  const std::string end = "_state";
+  for (int i = 0; i < modify.nfix_restart_global; ++i) {
+    const std::string id = Restarted::ids(modify)[i];
+    if (id.size() <= end.size() || id.substr(id.size() - end.size()) != end) continue;
+    const std::string owner = id.substr(0, id.size() - end.size());
+    if (values_in_restart(modify, owner + "_step") >= 0) return owner;
+  }
+  return "";
+}
+
 std::string command_line_text() {
   std::ifstream in("/proc/self/cmdline");
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
@@ -111,7 +123,6 @@ FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg,
   peratom_flag = 1;
   size_peratom_cols = kUserColumns;
   peratom_freq = 1;
-  time_depend = 1;
   nevery = 1;
   atom->add_callback(0);
   add_signal_listener(+1);
@@ -140,6 +151,12 @@ void FixTwogrid::refuse_what_cannot_be_served() const {
     if (other == "multisphere" || other == "rigid")
       refuse("group", "bodies of several spheres (fix " + other + ")",
              "single spheres: drag on bodies is not modelled");
+    for (const char* fluid : {"buoyancy", "couple/cfd", "lb/coupling"})
+      if (other.rfind(fluid, 0) == 0)
+        refuse("fix", "fix " + std::string(modify->fix[f]->id) + " " + other,
+               "none beside fix twogrid: it has the fluid's forces, buoyancy in every fix gravity included, and they "
+               "would "
+               "count twice");
     if (other == kStyle && std::string(modify->fix[f]->id) != id)
       refuse("fix", "a second fix twogrid beside " + std::string(modify->fix[f]->id), "one");
   }
@@ -180,6 +197,7 @@ FixPropertyAtom* FixTwogrid::keep_with_particles(const std::string& what, int co
 
 void FixTwogrid::post_create() {
   if (state_) return;
+  id_in_restart_ = id_in_restart(*modify);
   state_ = keep_with_particles("state", kParticleColumns);
   step_ = keep_with_particles("step", kStepColumns);
   // This fix's grow_arrays has to be called after the state's, so that it finds the new array.
@@ -195,6 +213,18 @@ void FixTwogrid::pre_delete(bool unfix) {
     modify->delete_fix((std::string(id) + "_state").c_str(), true);
     state_ = step_ = nullptr;
   }
+}
+
+void FixTwogrid::reset_timestep(bigint) {
+  if (!coupling_) return;  // no run yet: nothing hangs on the number of the step
+  guarded([&] {
+    const std::string name = id;
+    refuse("reset_timestep", "it after a run with this fix, whose couplings and frames go by the number of the step",
+           "it before the fix's first run, or 'unfix " + name +
+               "', reset_timestep, and the fix again (the fluid then begins anew); "
+               "the fluid's own time is f_" +
+               name + "[1]");
+  });
 }
 
 void FixTwogrid::grow_arrays(int) {
@@ -251,6 +281,32 @@ void FixTwogrid::resolve_names() {
     }
 }
 
+/// Patches keep the faces that they had in the fix's first run: a region that has since been made anew must have the
+/// same.
+void FixTwogrid::check_region_faces() {
+  const FineGrid& grid = fluid_->grid();
+  for (int side = 0; side < 6; ++side)
+    for (std::size_t c = 0; c < script_.names[side].size(); ++c) {
+      const BoundaryCondition& condition = script_.settings.fluid.side[side][c];
+      if (!condition.shape.inside) continue;
+      const int d = direction(side), e = d == 0 ? 1 : 0, f = d == 2 ? 1 : 2;
+      std::vector<bool> faces;
+      Vec3 x;
+      x[d] = grid.axis[d].node(is_high(side) ? grid.axis[d].n() : 0);
+      for (int j = 0; j < grid.axis[f].n(); ++j)
+        for (int i = 0; i < grid.axis[e].n(); ++i) {
+          x[e] = grid.axis[e].centre(i), x[f] = grid.axis[f].centre(j);
+          faces.push_back(condition.shape.inside(x));
+        }
+      const auto known = region_faces_.try_emplace({side, c}, faces).first;
+      if (known->second != faces)
+        refuse("boundary " + std::string(kSideNames[side]) + " patch " + condition.name + " region",
+               script_.names[side][c].region + ", which has another shape than in the fix's first run",
+               "the same: a patch keeps its faces ('unfix " + std::string(id) +
+                   "' and the fix again take the new shape; the fluid then begins anew)");
+    }
+}
+
 /// Groups whose particles some fix moves, and groups that a fix freezes.
 void FixTwogrid::find_motion() {
   moving_groups_ = frozen_groups_ = 0;
@@ -298,7 +354,9 @@ void FixTwogrid::init() {
         BoundaryCondition& now = fluid_->settings().side[side][c];
         now.velocity = script_.settings.fluid.side[side][c].velocity;
         now.velocity_now = script_.settings.fluid.side[side][c].velocity_now;
+        now.shape.inside = script_.settings.fluid.side[side][c].shape.inside;  // regions may have been made anew
       }
+    check_region_faces();
     check_patches_and_outlet(fluid_->settings(), fluid_->grid());  // inlets may have changed since the last run
   });
 }
@@ -325,6 +383,14 @@ void FixTwogrid::build() {
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();
   say(scene_report(s, script_.side_given, script_.every_auto, grid, facts));
+  for (int f = 0; f < modify->nfix; ++f)
+    if (std::string(modify->fix[f]->style) == "viscous")
+      warn("fix " + std::string(modify->fix[f]->id) +
+           " viscous is a drag of its own, on top of the fluid's; unfix it unless the particles are to be held back");
+  if (!state_->recent_restart && !id_in_restart_.empty())
+    warn("the restart file holds what a fix twogrid of ID " + id_in_restart_ +
+         " knew of the particles, which this fix can't take over: give it that ID, or it begins anew; the fluid starts "
+         "from 'initial u' at time 0 in any case");
   if (state_->recent_restart)
     warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }

@@ -18,8 +18,10 @@
 #include <fix.h>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "balance.h"
@@ -59,6 +61,8 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void post_run() override;
   double compute_vector(int i) override;
   double memory_usage() override;
+  using Fix::reset_timestep;
+  void reset_timestep(LAMMPS_NS::bigint) override;
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override {}
 
@@ -72,6 +76,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   Vec3 velocity_now(int side, std::size_t condition) const;
   double equal_style(const std::string& variable, const std::string& keyword) const;
   void resolve_names();
+  void check_region_faces();
   void find_motion();
   void find_watchers();
   void build();
@@ -91,7 +96,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::string script_text() const;
 
   Script script_;
-  double chosen_skin_ = 0;  // of -skin best (m); 0: the script's stays
+  std::map<std::pair<int, std::size_t>, std::vector<bool>> region_faces_;  // of patches by region: side, condition
+  std::string id_in_restart_;  // of a fix twogrid whose state the restart file held when this fix was made
+  double chosen_skin_ = 0;     // of -skin best (m); 0: the script's stays
   // Owned by LIGGGHTS: kParticleColumns and kStepColumns values a particle.
   LAMMPS_NS::FixPropertyAtom *state_ = nullptr, *step_ = nullptr;
   std::unique_ptr<FluidSolver> fluid_;

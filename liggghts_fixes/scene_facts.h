@@ -12,8 +12,8 @@ class LAMMPS;
 
 namespace twogrid {
 
-/// What fixes gravity do to the particles of their groups. LIGGGHTS asks variables when it evaluates forces: before, in a
-/// run's initialisation, fixes that follow one are left out (running = false).
+/// What fixes gravity do to the particles of their groups. LIGGGHTS asks variables when it evaluates forces: before, in
+/// a run's initialisation, fixes that follow one are left out (running = false).
 std::vector<Weight> find_weights(LAMMPS_NS::LAMMPS& lammps, bool running);
 /// Whether one of them follows a variable. Known from initialisation on.
 bool weights_vary(LAMMPS_NS::LAMMPS& lammps);

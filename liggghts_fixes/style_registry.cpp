@@ -108,8 +108,8 @@ void run(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
   fluid_in_run = fluid;
 }
 
-constexpr const char *kCreateBox = "create_box", *kReadData = "read_data", *kReadRestart = "read_restart", *kRun = "run",
-                     *kRunTime = "run_time";
+constexpr const char *kCreateBox = "create_box", *kReadData = "read_data", *kReadRestart = "read_restart",
+                     *kRun = "run", *kRunTime = "run_time";
 
 }  // namespace
 

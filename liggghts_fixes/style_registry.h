@@ -9,9 +9,9 @@ class LAMMPS;
 
 namespace twogrid {
 
-/// Registers fix twogrid, in this LIGGGHTS and in every one that the script's `clear` makes after it, and commands `run`
-/// and `run_time` that first move fix twogrid behind all fixes that add forces: the drag rescales the total force, so
-/// that it has to come last.
+/// Registers fix twogrid, in this LIGGGHTS and in every one that the script's `clear` makes after it, and commands
+/// `run` and `run_time` that first move fix twogrid behind all fixes that add forces: the drag rescales the total
+/// force, so that it has to come last.
 ///
 /// Puts our own code, of the same results to the last bit, in the place of LIGGGHTS' for contacts of particles
 /// (pair_style gran model hooke/stiffness tangential history), plane walls of that law, nve/sphere, gravity and

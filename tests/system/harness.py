@@ -69,7 +69,7 @@ class Checks:
 class Run:
     """A finished run: its log, thermo table, dumps and output file in a scratch folder of its own."""
 
-    def __init__(self, executable, script, ranks=1, options=(), timeout=100, expect_success=True, files=None):
+    def __init__(self, executable, script, ranks=1, options=(), timeout=100, expect_success=True, files=None, launcher=MPIRUN):
         self.folder = tempfile.TemporaryDirectory(prefix="twogrid_test_")
         self.path = self.folder.name
         for name, text in (files or {}).items():
@@ -77,8 +77,9 @@ class Run:
                 f.write(text)
         with open(os.path.join(self.path, "in.test"), "w") as f:
             f.write(script)
-        command = MPIRUN + ["-np", str(ranks), os.path.abspath(executable), "-in", "in.test", *options]
-        done = subprocess.run(command, cwd=self.path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        start = [*launcher, "-np", str(ranks)] if launcher else []  # none: one rank, without mpirun
+        command = start + [os.path.abspath(executable), "-in", "in.test", *options]
+        done = subprocess.run(command, cwd=self.path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
                               timeout=timeout)
         self.output, self.code = done.stdout, done.returncode
         if expect_success and self.code != 0:
