@@ -35,7 +35,6 @@ WEIGHT = N * 1000 * np.pi / 6 * 1.2e-3**3 * (1 - 1.2 / 1000) * 9.81 / (44e-3 * 1
 PARTICLES = """
 units si
 atom_style granular
-atom_modify map array
 boundary f f f
 newton off
 communicate single vel yes

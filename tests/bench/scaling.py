@@ -36,7 +36,6 @@ D, SPACING, EVERY, FIRST, LAST = 1e-3, 1.05e-3, 10, 50, 150
 SCENE = """
 units si
 atom_style granular
-atom_modify map array
 newton off
 communicate single vel yes
 boundary f f f

@@ -20,7 +20,7 @@ V_P, DT, EVERY, U = math.pi / 6 * D**3, 1e-5, 10, 0.3
 def script(closed):
     floor, top = ("slip", "slip") if closed else (f"inlet 0 0 {U}", "pressure 0")
     return head(f"0 {L} 0 {L} 0 {H}", DT, boundary="f f f", kn=50, kt=15, gamman=2e-4, gammat=1e-4, mu=0.2, skin=3e-4).replace(
-        "atom_modify map array", "atom_modify map array sort 0 0") + walls(xplane=(0, L), yplane=(0, L), zplane=(0, H)) + f"""
+        "newton off", "newton off\natom_modify sort 0 0") + walls(xplane=(0, L), yplane=(0, L), zplane=(0, H)) + f"""
 fix weight all gravity {G} vector 0 0 -1
 fix motion all nve/sphere
 fix gas all twogrid fine 8 8 16 ratio 2 2 2 density 1.2 viscosity 1.8e-5 every {EVERY}

@@ -85,7 +85,7 @@ fix_modify gas boundary zlo inlet 0 0 0.5 boundary zhi pressure 0
         text = head(box, 1e-5, boundary="f f f", processors=BRICKS[n]) + script([[0, 0, 0]], "f f f", box, n, open_box)[1].split("timestep 1e-05\n")[1]
         text = text.replace("fix integrate", walls(zplane=(0,)) + "fix integrate")
         # LIGGGHTS itself wants a type in use (the wall's), and can't sort nothing.
-        text = text.replace("atom_modify map array", "atom_modify map array sort 0 0")
+        text = text.replace("newton off", "newton off\natom_modify sort 0 0")
         r = Run(executable, text, n)
         volume, _, finite = solid_volume(r.file("bed.h5"))
         c.true(f"no particle, {n} rank(s): runs, eps 1, fields finite", finite and np.all(volume == 0) and np.all(r.thermo()["Atoms"] == 0))

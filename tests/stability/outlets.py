@@ -51,7 +51,7 @@ def pulsating(c, executable):
 
 def bare(box, gas, steps, dt):
     """No particle. LIGGGHTS itself wants a type in use (a wall's), and can't sort nothing."""
-    return head(box, dt, boundary="f f f").replace("atom_modify map array", "atom_modify map array sort 0 0") + walls(zplane=(0,)) + f"""
+    return head(box, dt, boundary="f f f").replace("newton off", "newton off\natom_modify sort 0 0") + walls(zplane=(0,)) + f"""
 fix integrate all nve/sphere
 {gas}
 thermo 100

@@ -32,7 +32,6 @@ DT, RHO_P, RHO_F, D = 1e-5, 2500.0, 1.2, 1e-3
 
 SCENE = """\
 atom_style      granular
-atom_modify     map array
 boundary        p p p
 newton          off
 communicate     single vel yes

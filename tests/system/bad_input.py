@@ -29,7 +29,6 @@ MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none
 
 SCENE = """\
 atom_style      {atom_style}
-atom_modify     map array
 boundary        {boundary}
 newton          off
 communicate     single vel yes

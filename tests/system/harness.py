@@ -19,7 +19,6 @@ MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none
 HEAD = """
 units si
 atom_style granular
-atom_modify map array
 newton off
 communicate single vel yes
 processors {processors}

@@ -16,7 +16,6 @@ STEPS = 3000
 SCRIPT = """
 units si
 atom_style granular
-atom_modify map array
 newton off
 communicate single vel yes
 boundary f f f

@@ -120,6 +120,20 @@ def clear(c, executable, ranks):
                 c.true("its frames", list(a["fluid"]) == list(b["fluid"]) and all(np.array_equal(a["fluid"][f]["p"][()], b["fluid"][f]["p"][()]) for f in a["fluid"]))
 
 
+def map_of_identifiers(c, executable, ranks):
+    """Nothing here asks for it: the same bits of particles and fluid with and without."""
+    for n in ranks:
+        runs = [Run(executable, BEADS.replace("newton off", f"newton off\n{line}") + GAS.format(U=0.5, name="gas") + "run 500\n" + DUMP.format(name="end"), n)
+                for line in ("", "atom_modify map array", "atom_modify map hash")]
+        bits = state(runs[0], "end")
+        c.true(f"atom_modify map, {n} ranks: {len(bits)} particles move", np.ptp(bits[:, 6]) > 1e-2)
+        for other, name in ((runs[1], "array"), (runs[2], "hash")):
+            c.true(f"atom_modify map {name}, {n} ranks: the particles' bits without", same(bits, state(other, "end")))
+            with h5py.File(runs[0].file("gas.h5")) as a, h5py.File(other.file("gas.h5")) as b:
+                last = sorted(a["fluid"])[-1]
+                c.true("the fluid's", all(np.array_equal(a["fluid"][last][q][()], b["fluid"][last][q][()]) for q in ("u", "p", "eps")))
+
+
 def ends_with(c, executable, what, script, *sentence):
     run = Run(executable, script, 1, expect_success=False)
     line = next((s for s in run.output.split("\n") if "ERROR" in s), "")
@@ -268,6 +282,7 @@ def main():
     c = Checks("commands of the script, and LIGGGHTS beside the fluid")
     unused_types(c, executable)
     clear(c, executable, ranks)
+    map_of_identifiers(c, executable, ranks)
     commands_between_runs(c, executable)
     group_and_restart(c, executable)
     weights(c, executable, ranks)
