@@ -439,9 +439,12 @@ void Coupling::Impl::reduce(const Particles& p, const Survey& mine) {
                          &extremes_.response, &extremes_.flux_velocity, &tag},
                         {&count[0], &count[1], &count[2], &count[3], &count[4]});
   if (count[3] > 0)
-    throw std::runtime_error(
-        std::to_string((long long)count[3]) + " particles have a position, velocity or impulse that is " +
-        "not finite, one of them tag " + std::to_string((long long)tag) + ": reduce timestep or every");
+    throw std::runtime_error(std::to_string((long long)count[3]) +
+                             " particles have a position, velocity or impulse that is " +
+                             "not finite, one of them tag " + std::to_string((long long)tag) +
+                             ". It became so since the last coupling: by a contact (a timestep too long for its "
+                             "stiffness and damping, or two "
+                             "spheres in one place), or by the drag; reduce timestep or every");
   if (count[2] > 0)
     throw std::runtime_error(std::to_string((long long)count[2]) + " particles lie further than " +
                              std::to_string(region_.reach) + " m outside their rank's box, one of them tag " +

@@ -33,7 +33,12 @@ class FixedPoint {
   }
   /// Nearest multiple, a whole number; q must be within the range of the constructor.
   double whole(double q) const { return (q * inverse_ + kWhole) - kWhole; }
-  long long quantise(double q) const { return static_cast<long long>(whole(q)); }
+  /// The same as an integer; 0 for what is not finite: a particle with such a number ends the run, but not before all
+  /// have been looked at.
+  long long quantise(double q) const {
+    const double w = whole(q);
+    return std::abs(w) < 0x1p62 ? static_cast<long long>(w) : 0;
+  }
   double value(long long m) const { return double(m) * unit_; }
   double unit() const { return unit_; }
   double per_unit() const { return inverse_; }

@@ -108,7 +108,7 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
     s.first_pair = s.lo + before, s.end_pair = s.hi - 1 + before;
     s.last_pair = std::max(s.end_pair - 1, s.first_pair);
     s.edge = s.node;
-    s.edge.front() = -HUGE_VAL, s.edge.back() = HUGE_VAL;
+    s.edge.front() = -HUGE_VAL, s.edge.back() = NAN;
     s.domain_lo = a.lo(), s.domain_hi = a.hi();
     const double slack = 1e-6 * a.length() / a.n();
     s.x_lo = region.lo[d] - region.reach - slack, s.x_hi = region.hi[d] + region.reach + slack;
@@ -138,6 +138,8 @@ void Window::wide_weights(const double x[3], Stencil& s) const {
   for (int d = 0; d < 3; ++d) {
     const Span& a = span_[d];
     s.home[d] = a.find(x[d]);
+    // Not finite: see Span::find(). Weights must be numbers all the same, since parts of sums become integers by them.
+    const double at = std::isfinite(x[d]) ? x[d] : a.domain_lo;
     switch (spread_) {
       case Spread::kCell:  // see weights()
         break;
@@ -145,10 +147,10 @@ void Window::wide_weights(const double x[3], Stencil& s) const {
         linear_weights(a, x[d], s.lo[d], s.n[d], s.w[d]);
         break;
       case Spread::kKernel:
-        kernel_weights(a, x[d], width_, s.lo[d], s.n[d], s.w[d]);
+        kernel_weights(a, at, width_, s.lo[d], s.n[d], s.w[d]);
         break;
       case Spread::kCube:
-        cube_weights(a, x[d], width_, s.lo[d], s.n[d], s.w[d]);
+        cube_weights(a, at, width_, s.lo[d], s.n[d], s.w[d]);
         break;
     }
   }

@@ -39,7 +39,7 @@ class Window {
   struct Span {
     int lo = 0, hi = 0;          ///< nodes [lo, hi)
     std::vector<double> node;    ///< low sides, and the high side of the last: hi - lo + 1
-    std::vector<double> edge;    ///< the same, minus and plus infinity for the first and last
+    std::vector<double> edge;    ///< the same, but no x lies below the first or above the last (not a number)
     std::vector<double> centre;  ///< hi - lo
     /// Uniform: centres lie at pair_origin + k / per_gap, k whole and not negative. The same origin on all ranks, so
     /// that weights are. Pairs of the window begin at first_pair to last_pair; its last centre is end_pair.

@@ -73,7 +73,7 @@ bool Balance::move_borders() {
   for (int i = 0; i < lammps_.atom->nlocal; ++i)
     for (int d = 0; d < 3; ++d) {
       const double s = (lammps_.atom->x[i][d] - domain.boxlo[d]) / domain.prd[d];
-      ++count[d * kBins + std::clamp(int(s * kBins), 0, kBins - 1)];
+      ++count[d * kBins + int(std::min(std::max(0.0, s * kBins), kBins - 1.0))];  // not a number: in the first
     }
   MPI_Allreduce(MPI_IN_PLACE, count.data(), int(count.size()), MPI_LONG_LONG, MPI_SUM, lammps_.world);
   double* const split[3] = {comm.xsplit, comm.ysplit, comm.zsplit};

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "coupling/fixed_point.h"
 #include "coupling/ledger.h"
 #include "coupling/read.h"
 #include "coupling_fakes.h"
@@ -296,6 +297,31 @@ TEST(Reading, NodesOfManyAtOnceAreThoseOfOne) {
         EXPECT_LT(places.node[q], std::ptrdiff_t(window.box().count()));
       }
     }
+}
+
+// Such a particle ends the run with a sentence, but not before sums have been made with it: its weights are numbers
+// that add up to 1, and its share is an integer. (A conversion of a NaN to an integer may be anything.)
+TEST(Reading, WeightsOfWhatIsNotFinite) {
+  for (bool periodic : {false, true}) {
+    const FineGrid grid = make_grid({0, 0, 0}, {1, 1, 1}, {8, 8, 8}, {periodic, periodic, periodic});
+    const ParticleGrid nodes(grid, {1, 1, 1});
+    const Layout layout = make_layout(grid, 1, {1, 1, 1});
+    for (Spread spread : {Spread::kCell, Spread::kLinear, Spread::kKernel, Spread::kCube}) {
+      const Window window(MPI_COMM_SELF, nodes, layout, {{0, 0, 0}, {1, 1, 1}, 0.1}, spread, 0.3);
+      for (double x : {double(NAN), HUGE_VAL, -HUGE_VAL}) {
+        const double at[3] = {0.4, x, 0.6};
+        Stencil s;
+        window.weights(at, s);
+        for (int d = 0; d < 3; ++d) {
+          double sum = 0;
+          for (int i = 0; i < s.n[d]; ++i) sum += s.w[d][i];
+          EXPECT_NEAR(sum, 1, 1e-14) << "spread " << int(spread) << ", " << x;
+          EXPECT_TRUE(s.lo[d] >= window.span(d).lo && s.lo[d] + s.n[d] <= window.span(d).hi);
+        }
+      }
+    }
+  }
+  for (double x : {double(NAN), HUGE_VAL, -HUGE_VAL, 1e300}) EXPECT_EQ(FixedPoint(1.0, 1.0).quantise(x), 0);
 }
 
 // Around a period of one or two nodes a particle may lie further outside than they are wide.
