@@ -47,8 +47,6 @@ using namespace LAMMPS_NS;
 namespace {
 
 constexpr int kVectorSize = 15;
-/// Particle cells that a particle may cross in a coupling interval: beyond, a bed's means change (tests/stability).
-constexpr double kTravel = 0.3;
 constexpr int kUserColumns = 10;
 static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
               "the state's first ten columns are the user's per-atom array");
@@ -380,6 +378,7 @@ void FixTwogrid::build() {
   Vec3 lo, hi;
   for (int d = 0; d < 3; ++d) lo[d] = domain->sublo[d], hi[d] = domain->subhi[d];
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, lo, hi, reach());
+  watch_ = CouplingWatch(s.bound, s.eps_min);
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();
   say(scene_report(s, script_.side_given, script_.every_auto, grid, facts));
@@ -514,6 +513,7 @@ void FixTwogrid::setup(int) {
     started_ = set_up_ = true;
     if (gravity_varies_) coupling_->set_gravity(find_weights(*lmp, true));
     coupling_->force(p, update->dt, false);
+    watch_coupling();
 
     if (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_) write_frame(p);
     particles_before_ = -1;  // commands between runs may have deleted some
@@ -551,7 +551,7 @@ void FixTwogrid::couple() {
   coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_, check);
   if (compiled::kAccuracy) accuracy_.count_coupling();
   if (check) adjust_steps();
-  watch_travel();
+  watch_coupling();
   // The coupling has changed velocities. Ghosts must follow, or else the two sides of a contact across a border of
   // ranks or of the box see different damping, and momentum is lost.
   comm->forward_comm();
@@ -560,15 +560,10 @@ void FixTwogrid::couple() {
   time_since_coupling_ = 0;
 }
 
-/// The flow that particles see is kept for an interval, in which they should stay where it was read.
-void FixTwogrid::watch_travel() {
-  const double travel = coupling_->report().travel;
-  if (travel <= kTravel || travel <= 2 * travel_said_) return;
-  travel_said_ = travel;
-  const int every = std::max(1, int(steps_since_coupling_ * kTravel / travel));
-  warn("a particle crosses " + text(travel) + " particle cells in a coupling interval of " +
-       std::to_string(steps_since_coupling_) + " steps (step " + std::to_string(update->ntimestep) +
-       "), wanted: at most " + text(kTravel) + "; lower every to " + std::to_string(every));
+/// Says what the last coupling's report should not go on without.
+void FixTwogrid::watch_coupling() {
+  for (const std::string& sentence : watch_.look(coupling_->report(), steps_since_coupling_, update->dt))
+    warn(sentence + " (step " + std::to_string(update->ntimestep) + ")");
 }
 
 /// Steps for the accuracy wanted, after a coupling that was checked.

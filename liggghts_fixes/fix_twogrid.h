@@ -29,6 +29,7 @@
 #include "coupling/accuracy.h"
 #include "coupling/coupling.h"
 #include "coupling/output/output.h"
+#include "coupling_watch.h"
 #include "progress.h"
 #include "script_parser.h"
 
@@ -88,7 +89,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   Particles particles();
   void couple();
   void adjust_steps();
-  void watch_travel();
+  void watch_coupling();
   void watch_particles(long long own_signal);
   void write_frame(const Particles& p);
   void say(const std::string& text) const;
@@ -123,7 +124,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
 
   long long particles_before_ = -1;     // at the last coupling of this run; -1: none yet
   long long lost_ = 0, lost_said_ = 0;  // particles that vanished; of these, said in a warning
-  double travel_said_ = 0;              // largest way in an interval that a warning has told
+  CouplingWatch watch_;
 
   Progress progress_;
   double wall_begin_ = 0, cpu_begin_ = 0;

@@ -17,14 +17,6 @@ std::string three(const Vec3& v, const char* between = " ") {
   return text(v[0]) + between + text(v[1]) + between + text(v[2]);
 }
 
-/// Four significant digits: for what a user reads, not for what a program reads.
-std::string brief(double v) {
-  std::ostringstream out;
-  out.precision(4);
-  out << v;
-  return out.str();
-}
-
 double smallest_width(const Axis& axis, int block) {
   double w = 1e300;
   for (int i = 0; i + block <= axis.n(); i += block) w = std::min(w, axis.node(i + block) - axis.node(i));

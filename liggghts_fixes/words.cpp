@@ -22,6 +22,13 @@ std::string text(double value) {
   return out.str();
 }
 
+std::string brief(double value) {
+  std::ostringstream out;
+  out.precision(4);
+  out << value;
+  return out.str();
+}
+
 bool is_number(const std::string& word, double* value) {
   if (word.empty()) return false;
   char* end = nullptr;

@@ -12,6 +12,8 @@ namespace twogrid {
 
 /// Shortest decimal text of a number that a user would recognise.
 std::string text(double value);
+/// Four significant digits: for what a user reads, not for what a program reads.
+std::string brief(double value);
 
 class Words {
  public:
