@@ -231,11 +231,13 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
       const double left = interval - done;
       step = formula(left / std::ceil(left / (step.dt * std::min(0.75, kChosenCfl * settings_.cfl / cfl))));
       idle_steps_ = 0;
+      refuse_steps_below(step.dt, interval);
     }
     accept(step, interval);
     measure(step, step.dt / interval, report);
     if (implicit_viscosity_) rotate_pressure();
     done += step.dt;
+    if (after_step_ && done < interval * (1 - 1e-12)) after_step_(report.steps, done / interval);
   }
   return report;
 }
@@ -356,6 +358,7 @@ double FluidSolver::allowed_dt(double left, double interval) {
                         (settings_.implicit_viscosity == Choice::kAuto && viscous_limit < chosen);
   if (!implicit_viscosity_ && settings_.dt == 0)
     limit = std::min(limit, viscous_limit), chosen = std::min(chosen, viscous_limit);
+  refuse_steps_below(limit, interval);
   const double wanted = left / std::ceil(left / std::min(chosen, left) - 1e-9);
   if (dt_previous_ > 0 && settings_.dt == 0 && dt_previous_ <= limit * (1 + 1e-9)) {
     const double parts = std::round(interval / dt_previous_), steps = left / dt_previous_;
@@ -365,6 +368,21 @@ double FluidSolver::allowed_dt(double left, double interval) {
   }
   idle_steps_ = 0;
   return wanted;
+}
+
+/// An interval of more fluid steps than this is a mistake in the script, and would seem to hang.
+void FluidSolver::refuse_steps_below(double limit, double interval) const {
+  if (limit * kMostSteps >= interval) return;
+  std::ostringstream text;
+  text << "a coupling interval of " << interval << " s would need " << interval / limit << " fluid steps of " << limit
+       << " s, wanted: at most " << kMostSteps << "; ";
+  if (settings_.dt > 0 && limit >= settings_.dt)
+    text << "raise 'dt' (" << settings_.dt << " s), or lower 'every' or the DEM timestep";
+  else
+    text << "look for an inlet or particles too fast and for fine cells too small ('fine', 'stretch'); else lower "
+            "'every' or the DEM timestep, or raise 'cfl' ("
+         << settings_.cfl << ")" << (settings_.implicit_viscosity == Choice::kOff ? ", or say 'implicit auto'" : "");
+  throw std::runtime_error(text.str());
 }
 
 void FluidSolver::next_level(const VoidFractionInTime& eps, double s, double interval) {

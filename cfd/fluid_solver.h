@@ -19,6 +19,7 @@
 
 #include <mpi.h>
 
+#include <functional>
 #include <memory>
 
 #include "block_exchange.h"
@@ -58,6 +59,11 @@ class FluidSolver : public Fluid {
   FluidReport advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) override;
   FluidReport advance_and_check(double interval, const VoidFractionInTime& eps, const Interphase& exchange) override;
   void limit_courant_number(double cfl) override { settings_.cfl = cfl; }
+  /// Most fluid steps of an interval: advance throws std::runtime_error, on all ranks, when it would need more.
+  static constexpr int kMostSteps = 10000;
+  /// after(steps, share): called on all ranks after every fluid step of an interval but its last, with the number of
+  /// steps done and the share of the interval behind them. It may throw, on all ranks alike.
+  void watch_steps(std::function<void(int, double)> after) { after_step_ = std::move(after); }
 
   /// Settings that may change between runs (inlet values, tolerances); the grid and the kinds of boundary may not.
   FluidSettings& settings() { return settings_; }
@@ -105,6 +111,7 @@ class FluidSolver : public Fluid {
   void add_vortex();
   void make_continuous();
   double allowed_dt(double left, double interval);  // left: of the interval
+  void refuse_steps_below(double limit, double interval) const;
   void set_face_eps();
   void next_level(const VoidFractionInTime& eps, double s, double interval);
   void previous_level();
@@ -190,6 +197,7 @@ class FluidSolver : public Fluid {
   mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row; made rows of the exchange are in row_b_
   double inlet_head_ = 0;  // own inlet faces: momentum flux through the first cells' centres less that entering, N
   bool implicit_viscosity_ = false;
+  std::function<void(int, double)> after_step_;
 };
 
 }  // namespace twogrid

@@ -24,6 +24,7 @@
 #include <variable.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
@@ -47,6 +48,7 @@ using namespace LAMMPS_NS;
 namespace {
 
 constexpr int kVectorSize = 15;
+constexpr double kPatience = 10;  // s that a signal waits for the end of a coupling
 constexpr int kUserColumns = 10;
 static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
               "the state's first ten columns are the user's per-atom array");
@@ -255,8 +257,15 @@ double FixTwogrid::equal_style(const std::string& variable, const std::string& k
 Vec3 FixTwogrid::velocity_now(int side, std::size_t condition) const {
   const ScriptedVelocity& v = script_.names[side][condition].velocity;
   Vec3 u = v.number;
-  for (int d = 0; d < 3; ++d)
-    if (!v.variable[d].empty()) u[d] = equal_style(v.variable[d], "boundary " + std::string(kSideNames[side]));
+  for (int d = 0; d < 3; ++d) {
+    if (v.variable[d].empty()) continue;
+    const std::string& patch = script_.settings.fluid.side[side][condition].name;
+    const std::string keyword = "boundary " + std::string(kSideNames[side]) + (patch.empty() ? "" : " patch " + patch);
+    u[d] = equal_style(v.variable[d], keyword);
+    if (!std::isfinite(u[d]))
+      refuse(keyword, "v_" + v.variable[d] + " = " + text(u[d]),
+             "a variable with a finite velocity (m/s) at all times");
+  }
   return u;
 }
 
@@ -375,6 +384,7 @@ void FixTwogrid::build() {
   const Layout layout = fluid_layout(grid);
   for (int d = 0; d < 3; ++d) facts.fluid_bricks[d] = int(layout.cuts()[d].size()) - 1;
   fluid_ = std::make_unique<FluidSolver>(world, grid, layout, s.fluid);
+  fluid_->watch_steps([this](int steps, double share) { watch_fluid_step(steps, share); });
   Vec3 lo, hi;
   for (int d = 0; d < 3; ++d) lo[d] = domain->sublo[d], hi[d] = domain->subhi[d];
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, lo, hi, reach());
@@ -548,6 +558,7 @@ void FixTwogrid::couple() {
   watch_particles(signal_seen());
   Particles p = particles();
   const bool check = compiled::kAccuracy && accuracy_.due();
+  coupling_begin_ = MPI_Wtime();
   coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_, check);
   if (compiled::kAccuracy) accuracy_.count_coupling();
   if (check) adjust_steps();
@@ -564,6 +575,20 @@ void FixTwogrid::couple() {
 void FixTwogrid::watch_coupling() {
   for (const std::string& sentence : watch_.look(coupling_->report(), steps_since_coupling_, update->dt))
     warn(sentence + " (step " + std::to_string(update->ntimestep) + ")");
+}
+
+/// Between the fluid steps of one coupling: progress, and signals that can't wait for its end.
+void FixTwogrid::watch_fluid_step(int steps, double share) {
+  const double now = MPI_Wtime(), spent = now - coupling_begin_;
+  double most[2] = {double(signal_seen()), spent * (1 - share) / share};
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, world);
+  if (most[0] > 0 && most[1] > kPatience)
+    throw std::runtime_error("ended by signal " + std::to_string(int(most[0])) + " within a coupling, after " +
+                             std::to_string(steps) + " of its fluid steps and " + duration(most[1]) +
+                             " before its end: this step's particles are not written; lower every, or raise cfl, for "
+                             "couplings of fewer fluid steps");
+  const std::string line = progress_.line_within(now, steps, share, spent, fluid_->time());
+  if (!line.empty()) say(line + "\n");
 }
 
 /// Steps for the accuracy wanted, after a coupling that was checked.

@@ -90,6 +90,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void couple();
   void adjust_steps();
   void watch_coupling();
+  void watch_fluid_step(int steps, double share);
   void watch_particles(long long own_signal);
   void write_frame(const Particles& p);
   void say(const std::string& text) const;
@@ -128,6 +129,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
 
   Progress progress_;
   double wall_begin_ = 0, cpu_begin_ = 0;
+  double coupling_begin_ = 0;  // wall clock
   long long step_begin_ = 0;
   Shares shares_begin_;
   double output_seconds_ = 0, output_begin_ = 0;  // CPU seconds of this rank

@@ -39,6 +39,16 @@ std::string Progress::line(double wall, long long done, double time) {
          duration(spent * (1 - share) / share) + " to go";
 }
 
+std::string Progress::line_within(double wall, int steps, double share, double spent, double time) {
+  if (wall - last_ < kSeconds) return "";
+  last_ = wall;
+  char clock[32], percent[16];
+  std::snprintf(clock, sizeof clock, "%.6g", time);
+  std::snprintf(percent, sizeof percent, "%.1f", 100 * share);
+  return "twogrid: t = " + std::string(clock) + " s, within a coupling: " + std::to_string(steps) +
+         " fluid steps are " + percent + " % of its interval, " + duration(spent * (1 - share) / share) + " to go";
+}
+
 std::string shares_text(double wall, double total, const Shares& s) {
   const auto percent = [&](double part) {
     char text[16];

@@ -1,16 +1,23 @@
 #!/usr/bin/python3
-"""Limits of a run are told, with their remedy: what the eps bound moves or cannot place.
+"""Limits of a run are told, with their remedy: what the eps bound moves or cannot place, couplings of too many fluid steps, inlets that
+are not numbers.
 
     limits.py EXECUTABLE RANKS...
 
 What would pass falsely without it: an obstacle of overlapping spheres whose volume the eps bound has moved all over the channel, or a
-bed with more solids than the bound allows anywhere, simulated to the end without a word.
+bed with more solids than the bound allows anywhere, simulated to the end without a word; a coupling that needs a million fluid steps and looks like one that hangs, or
+hears no signal; a remedy that has nothing to do with the variable that is nan.
 """
 import math
+import os
+import signal
+import subprocess
+import tempfile
+import time
 
 import numpy as np
 
-from harness import Checks, Run, arguments, data_file, head_with_particles
+from harness import MPIRUN, Checks, Run, arguments, data_file, head_with_particles
 
 GAS = """
 fix gas all twogrid fine 8 4 8 ratio 2 2 2 density 1.2 viscosity 1.8e-5 every 5
@@ -61,11 +68,75 @@ def bound_cannot_be_kept(c, executable):
             c.true(f"the volume unplaced: {said[0].split('kept: ')[1].split(' of')[0]} (wanted 33.33 %)", "33.33 %" in said[0])
 
 
+ONE = np.array([[0.004, 0.002, 0.004]])
+
+
+def refused(c, executable, what, words, modify="", before="", then="", ranks=1):
+    """One sphere in a channel; the run ends with one sentence that holds all words."""
+    begin = time.time()
+    text = head_with_particles(1e-6, boundary="f f f") + before + GAS.format(modify=modify) + "run 20\n" + then
+    r = Run(executable, text, ranks, files={"particles.data": data_file(BOX, ONE, 1e-3, 2500)}, expect_success=False, timeout=60)
+    errors = [line for line in r.output.splitlines() if line.startswith("ERROR")]
+    c.true(f"{what}: {(errors or ['no sentence'])[0]}",
+           r.code != 0 and len(errors) == 1 and all(w in errors[0] for w in words) and time.time() - begin < 10)
+
+
+def too_many_fluid_steps(c, executable, ranks):
+    """The interval over the longest fluid step: 5e-6 s U / (h cfl) for an inlet of U, cells of h."""
+    steps = ["fluid steps", "at most 10000", "every"]
+    patch = "boundary zlo patch jet rect 0.002 0.006 0 0.004 inlet 0 0 "
+    refused(c, executable, "a jet of 1e10 m/s", steps + ["inlet", "e+08"], patch + "1e10", ranks=ranks[-1])
+    refused(c, executable, "the same by a variable that jumps in the second run", steps, patch + "v_U",
+            "variable U equal 1+1e10*(step>30)\n", "run 20\n", ranks[-1])
+    refused(c, executable, "cfl 1e-9", steps + ["cfl"], "cfl 1e-9")
+    refused(c, executable, "dt 1e-12 s", steps + ["'dt'"], "dt 1e-12")
+    refused(c, executable, "a DEM step of 100 s from the second run on", steps, then="timestep 100\nrun 20\n")
+    refused(c, executable, "viscosity that limits the step", steps + ["implicit auto"],
+            "implicit off convection none", then="timestep 100\nrun 20\n")
+
+
+def not_a_number(c, executable, ranks):
+    where = ["v_U", "nan", "finite"]
+    jet = "boundary zlo patch jet rect 0.002 0.006 0 0.004 inlet 0 0 v_U"
+    refused(c, executable, "nan from the start", where + ["boundary zlo patch jet"], jet, "variable U equal exp(1000)-exp(1000)\n")
+    refused(c, executable, "inf", ["boundary zlo patch jet", "v_U", "inf"], jet, "variable U equal exp(1000)\n")
+    late = "variable U equal 1+0*(step<13)+exp(1000*(step>12))-exp(1000*(step>12))\n"
+    refused(c, executable, "nan at step 15", where + ["boundary zlo patch jet", "step 15"], jet, late, ranks=ranks[-1])
+    refused(c, executable, "nan of a moving wall", where + ["boundary xlo"], "boundary xlo noslip 0 0 v_U", late)
+
+
+def signal_within_a_coupling(c, executable, ranks):
+    """9600 fluid steps a coupling: some 20 s. The signal comes after 3 s and is heard."""
+    text = head_with_particles(1e-6, boundary="f f f") + GAS.format(modify="dt 5.2e-10").replace("fine 8 4 8", "fine 32 16 32") + "run 20\n"
+    with tempfile.TemporaryDirectory(prefix="twogrid_test_") as folder:
+        with open(os.path.join(folder, "in.test"), "w") as f:
+            f.write(text)
+        with open(os.path.join(folder, "particles.data"), "w") as f:
+            f.write(data_file(BOX, ONE, 1e-3, 2500))
+        p = subprocess.Popen(MPIRUN + ["-np", str(ranks[-1]), os.path.abspath(executable), "-in", "in.test"], cwd=folder,
+                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        time.sleep(4)
+        running, begin = p.poll() is None, time.time()
+        p.send_signal(signal.SIGTERM)
+        try:
+            output = p.communicate(timeout=30)[0]
+        except subprocess.TimeoutExpired:
+            p.kill()
+            output = p.communicate()[0]
+        took = time.time() - begin
+    said = [line for line in output.splitlines() if "ended by signal 15 within a coupling" in line]
+    c.true(f"SIGTERM within a coupling: {took:.1f} s later {(said or ['no sentence'])[0]}",
+           running and len(said) == 1 and p.returncode != 0 and took < 8)
+
+
 def main():
     executable, ranks = arguments()
     c = Checks("limits that are told")
     bound_moves(c, executable, ranks)
     bound_cannot_be_kept(c, executable)
+    too_many_fluid_steps(c, executable, ranks)
+    not_a_number(c, executable, ranks)
+    signal_within_a_coupling(c, executable, ranks)
     c.end()
 
 

@@ -179,6 +179,9 @@ TEST(ProgressLine, ComesWhenDue) {
   EXPECT_EQ(p.line(105, 10, 0.1), "");
   EXPECT_EQ(p.line(120, 200, 0.25), "twogrid: t = 0.25 s, 20.0 % of this run done, 1 min 20 s to go");
   EXPECT_EQ(p.line(121, 210, 0.26), "");
+  EXPECT_EQ(p.line_within(129, 300, 0.25, 5, 0.26), "");
+  EXPECT_EQ(p.line_within(131, 300, 0.25, 20, 0.26),
+            "twogrid: t = 0.26 s, within a coupling: 300 fluid steps are 25.0 % of its interval, 1 min 00 s to go");
   EXPECT_EQ(duration(3725), "1 h 02 min");
   EXPECT_EQ(duration(12.34), "12.3 s");
 }
