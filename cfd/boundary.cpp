@@ -1,8 +1,9 @@
 #include "boundary.h"
 
+#include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
+
+#include "patches.h"
 
 namespace twogrid {
 
@@ -14,22 +15,6 @@ namespace {
 int inside(int i, const Axis& axis) {
   const int n = axis.n();
   return axis.periodic() ? ((i % n) + n) % n : std::min(std::max(i, 0), n - 1);
-}
-
-bool covers(const PatchShape& s, const Vec3& x, int e, int f) {
-  switch (s.kind) {
-    case PatchShape::Kind::kWhole:
-      return true;
-    case PatchShape::Kind::kRectangle:
-      return x[e] > s.value[0] && x[e] < s.value[1] && x[f] > s.value[2] && x[f] < s.value[3];
-    case PatchShape::Kind::kCircle: {
-      const double a = x[e] - s.value[0], b = x[f] - s.value[1];
-      return a * a + b * b < s.value[2] * s.value[2];
-    }
-    case PatchShape::Kind::kRegion:
-      return s.inside(x);
-  }
-  return false;
 }
 
 /// Factor on the velocity whose mean over the patch is 1 (parabolic), or the table's.
@@ -80,10 +65,8 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
   if (!own.empty()) local_ = own.grown(halo_);
   for (int d = 0; d < 3; ++d) state_[d].reset(local_, FaceState::kSolved);
 
-  std::array<std::vector<int>, 6> covered;
   for (int side = 0; side < 6; ++side) {
     const auto& conditions = settings.side[side];
-    covered[side].assign(conditions.size(), 0);
     for (const auto& c : conditions) velocity_[side].push_back(c.velocity);
     SideData& s = side_[side];
     s.d = direction(side);
@@ -119,10 +102,7 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
           x[s.f] = grid.axis[s.f].centre(ib);
           const int m = s.at(a, b);
           for (int c = 0; c < int(conditions.size()); ++c)
-            if (covers(conditions[c].shape, x, s.e, s.f)) s.condition[m] = c;
-          const bool mine = touches && ia == a && ib == b && a >= own.lo[s.e] && a < own.hi[s.e] && b >= own.lo[s.f] &&
-                            b < own.hi[s.f];
-          if (mine) ++covered[side][s.condition[m]];
+            if (covers(conditions[c].shape, side, x)) s.condition[m] = c;
           const BoundaryCondition& c = conditions[s.condition[m]];
           std::array<double, 4> extent = c.shape.value;
           if (c.shape.kind != PatchShape::Kind::kRectangle)
@@ -132,16 +112,6 @@ Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout
     }
     normalise_parabolas(comm, s, side);
     for (const auto& c : conditions) open_ = open_ || c.kind == BoundaryKind::kPressure;
-    if (!covered[side].empty())
-      MPI_Allreduce(MPI_IN_PLACE, covered[side].data(), int(covered[side].size()), MPI_INT, MPI_SUM, comm);
-    for (std::size_t c = 1; c < conditions.size(); ++c)
-      if (covered[side][c] == 0) {
-        std::ostringstream text;
-        text << "patch " << conditions[c].name << " on " << kSideNames[side]
-             << " holds no fine face's centre: 0 faces found, at least 1 wanted; enlarge the patch of 'boundary "
-             << kSideNames[side] << " patch' or refine 'fine'";
-        throw std::invalid_argument(text.str());
-      }
   }
   for (int side = 0; side < 6; ++side) {
     SideData& s = side_[side];

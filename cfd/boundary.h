@@ -24,7 +24,7 @@ struct PatchArea {
 
 class Boundaries {
  public:
-  /// Collective. Throws std::invalid_argument when a patch covers no face.
+  /// Collective. The settings have passed FluidSettings::check and check_flow.
   Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout, const FluidSettings& settings);
 
   const Array3<FaceState>& state(int d) const { return state_[d]; }

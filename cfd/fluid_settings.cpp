@@ -1,96 +1,124 @@
 #include "fluid_settings.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+
+#include "patches.h"
 
 namespace twogrid {
 
 namespace {
 
 template <class... T>
-[[noreturn]] void refuse(const T&... parts) {
+std::string text_of(const T&... parts) {
   std::ostringstream text;
   (text << ... << parts);
-  throw std::invalid_argument(text.str());
+  return text.str();
+}
+
+[[noreturn]] void refuse(const std::string& keyword, const std::string& found, const std::string& wanted) {
+  throw std::invalid_argument(keyword + ": found " + found + ", wanted " + wanted);
 }
 
 const char* axis_name(int d) {
   return d == 0 ? "x" : d == 1 ? "y" : "z";
 }
 
+std::string name_of(int side, const BoundaryCondition& c) {
+  return text_of("boundary ", kSideNames[side], c.name.empty() ? "" : " patch ", c.name);
+}
+
+void check_shape(int side, const BoundaryCondition& c, const FineGrid& grid) {
+  const int d = direction(side);
+  const Axis &e = grid.axis[d == 0 ? 1 : 0], &f = grid.axis[d == 2 ? 1 : 2];
+  std::array<double, 4> v = c.shape.value;
+  std::string found;
+  if (c.shape.kind == PatchShape::Kind::kRectangle) {
+    found = text_of("rect ", v[0], " ", v[1], " ", v[2], " ", v[3]);
+  } else if (c.shape.kind == PatchShape::Kind::kCircle) {
+    found = text_of("circle ", v[0], " ", v[1], " ", v[2]);
+    v = {v[0] - v[2], v[0] + v[2], v[1] - v[2], v[1] + v[2]};
+  } else {
+    return;
+  }
+  const double slack_e = 1e-9 * e.length(), slack_f = 1e-9 * f.length();
+  if (!(v[0] < v[1] && v[2] < v[3]) || v[0] < e.lo() - slack_e || v[1] > e.hi() + slack_e || v[2] < f.lo() - slack_f ||
+      v[3] > f.hi() + slack_f)
+    refuse(
+        name_of(side, c), found,
+        text_of("a shape on the side's face, which spans ", e.lo(), " to ", e.hi(), " and ", f.lo(), " to ", f.hi()));
+}
+
 }  // namespace
 
 void FluidSettings::check(const FineGrid& grid) const {
-  if (!(density > 0)) refuse("density is ", density, ", wanted: above 0 kg/m3; change 'density'");
-  if (!(viscosity >= 0)) refuse("viscosity is ", viscosity, ", wanted: 0 Pa s or more; change 'viscosity'");
-  if (!(cfl > 0 && cfl <= 1)) refuse("cfl is ", cfl, ", wanted: above 0 and at most 1; change 'cfl'");
-  if (!(dt >= 0)) refuse("dt is ", dt, ", wanted: 0 (automatic) or a time in s; change 'dt'");
-  if (!(pressure_rtol > 0 && pressure_rtol < 1))
-    refuse("tolerance is ", pressure_rtol, ", wanted: between 0 and 1; change 'tolerance'");
+  if (!(density > 0)) refuse("density", text_of(density), "a fluid density above 0 (kg/m3)");
+  if (!(viscosity >= 0)) refuse("viscosity", text_of(viscosity), "0 Pa s or more");
+  if (!(cfl > 0 && cfl <= 1)) refuse("cfl", text_of(cfl), "a Courant number above 0 and at most 1");
+  if (!(dt >= 0)) refuse("dt", text_of(dt), "0 (automatic) or a time in s");
+  if (!(pressure_rtol > 0 && pressure_rtol < 1)) refuse("tolerance", text_of(pressure_rtol), "between 0 and 1");
 
-  double in = 0;
-  bool inlet = false, outlet = false, variable = false;
   for (int s = 0; s < 6; ++s) {
     const int d = direction(s);
-    const Axis& axis = grid.axis[d];
-    const int e = d == 0 ? 1 : 0, f = d == 2 ? 1 : 2;
-    if (axis.periodic()) {
-      if (!side[s].empty() && side[s][0].kind != BoundaryKind::kPeriodic)
-        refuse("boundary ", kSideNames[s], " is set, but the box is periodic in ", axis_name(d),
-               "; wanted: no condition there; take out 'boundary ", kSideNames[s], "' or make the box's boundary f");
+    const std::string keyword = text_of("boundary ", kSideNames[s]), in = text_of(" in ", axis_name(d));
+    if (grid.axis[d].periodic()) {
+      if (!side[s].empty() && (side[s].size() > 1 || side[s][0].kind != BoundaryKind::kPeriodic))
+        refuse(keyword, "a condition on a side that is periodic for the particles",
+               "no condition there, or f instead of p" + in + " in LIGGGHTS' boundary command");
       continue;
     }
-    if (side[s].empty()) refuse("boundary ", kSideNames[s], " has no condition; add 'boundary ", kSideNames[s], "'");
+    if (side[s].empty()) refuse(keyword, "no condition", "one");
     for (const BoundaryCondition& c : side[s]) {
-      const bool whole = c.shape.kind == PatchShape::Kind::kWhole;
+      const std::string name = name_of(s, c);
       if (c.kind == BoundaryKind::kPeriodic)
-        refuse("boundary ", kSideNames[s], " is periodic, but the box is not periodic in ", axis_name(d),
-               "; wanted: the box's 'boundary' p in that direction");
-      if (c.kind == BoundaryKind::kNoSlip && axis.n() == 1)
-        refuse("boundary ", kSideNames[s], " is noslip, but the fluid is 1 cell deep in ", axis_name(d),
-               " ('fine'); wanted: slip (with 'gap friction on' for the drag of the walls), or at least 2 cells");
+        refuse(name, "periodic" + in + ", where the fluid is not", "another condition there");
+      if (grid.axis[d].n() == 1 && c.kind == BoundaryKind::kNoSlip)
+        refuse(name, "noslip with fine 1" + in,
+               "slip there (with 'gap friction on' for the walls' friction), or at least 2 fine cells");
       if (c.kind == BoundaryKind::kNoSlip && c.velocity[d] != 0)
-        refuse("boundary ", kSideNames[s], " noslip moves with ", c.velocity[d], " m/s normal to itself, wanted: 0");
-      if (c.shape.kind == PatchShape::Kind::kRectangle) {
-        const auto& v = c.shape.value;
-        const double tol_e = 1e-9 * grid.axis[e].length(), tol_f = 1e-9 * grid.axis[f].length();
-        if (!(v[0] < v[1] && v[2] < v[3]) || v[0] < grid.axis[e].lo() - tol_e || v[1] > grid.axis[e].hi() + tol_e ||
-            v[2] < grid.axis[f].lo() - tol_f || v[3] > grid.axis[f].hi() + tol_f)
-          refuse("patch ", c.name, " is rect ", v[0], " ", v[1], " ", v[2], " ", v[3], ", wanted: inside ",
-                 kSideNames[s], ", that is ", axis_name(e), " from ", grid.axis[e].lo(), " to ", grid.axis[e].hi(),
-                 ", ", axis_name(f), " from ", grid.axis[f].lo(), " to ", grid.axis[f].hi(), "; change 'boundary ",
-                 kSideNames[s], " patch ", c.name, "'");
-      }
-      if (c.shape.kind == PatchShape::Kind::kCircle) {
-        const auto& v = c.shape.value;
-        if (!(v[2] > 0) || v[0] - v[2] < grid.axis[e].lo() - 1e-9 || v[0] + v[2] > grid.axis[e].hi() + 1e-9 ||
-            v[1] - v[2] < grid.axis[f].lo() - 1e-9 || v[1] + v[2] > grid.axis[f].hi() + 1e-9)
-          refuse("patch ", c.name, " is circle ", v[0], " ", v[1], " ", v[2],
-                 ", wanted: a radius above 0 and all of it on ", kSideNames[s], "; change 'boundary ", kSideNames[s],
-                 " patch ", c.name, "'");
-      }
-      if (c.kind == BoundaryKind::kInlet) {
-        inlet = true;
-        variable = variable || bool(c.velocity_now);
-        if (whole)
-          in += (is_high(s) ? -1 : 1) * c.velocity[d];
-        else
-          in += std::abs(c.velocity[d]);
-        if (c.profile.shape == InletProfile::Shape::kTable && c.profile.table.empty())
-          refuse("the profile table of boundary ", kSideNames[s],
-                 " is empty, wanted: at least 1 line of coordinate and factor");
-      }
-      outlet = outlet || c.kind == BoundaryKind::kPressure;
+        refuse(name + " noslip", text_of("a velocity normal to the wall (", axis_name(d), ")"),
+               "a wall that moves in its own plane, or an inlet");
+      check_shape(s, c, grid);
+      if (c.kind == BoundaryKind::kInlet && c.profile.shape == InletProfile::Shape::kTable && c.profile.table.empty())
+        refuse(name + " inlet profile table", "an empty one", "at least 1 line of coordinate and factor");
     }
   }
-  if (inlet && !outlet && (in != 0 || variable))
-    refuse("fluid flows in through an inlet and no side lets it out; wanted: a 'boundary SIDE pressure P'");
   for (int d = 0; d < 3; ++d) {
+    const char* driver = flow_rate_set[d] ? "flow_rate" : "pressure_gradient";
     if ((flow_rate_set[d] || pressure_gradient[d] != 0) && !grid.axis[d].periodic())
-      refuse(flow_rate_set[d] ? "flow_rate" : "pressure_gradient", " is given in ", axis_name(d),
-             ", which is not periodic; wanted: a periodic direction, or an inlet and an outlet");
+      refuse(driver, text_of("it in ", axis_name(d), ", which is not periodic"),
+             "a periodic direction, or an inlet and an outlet");
   }
+}
+
+void FluidSettings::check_flow(const FineGrid& grid) const {
+  double in = 0, out = 0;
+  bool outlet = false, variable = false;
+  for (int s = 0; s < 6; ++s) {
+    const int d = direction(s);
+    if (grid.axis[d].periodic()) continue;
+    const std::vector<PatchSize> size = patch_sizes(*this, s, grid);
+    for (std::size_t c = 0; c < side[s].size(); ++c) {
+      const BoundaryCondition& condition = side[s][c];
+      if (size[c].open == 0 && !condition.name.empty())
+        refuse(name_of(s, condition), "a shape that holds no fine face's centre",
+               "one that covers at least one fine face of the side, or finer cells");
+      if (condition.kind == BoundaryKind::kPressure && size[c].open > 0) outlet = true;
+      if (condition.kind != BoundaryKind::kInlet) continue;
+      variable = variable || bool(condition.velocity_now);
+      const Vec3 u = condition.velocity_now ? condition.velocity_now() : condition.velocity;
+      const double flux = (is_high(s) ? -u[d] : u[d]) * size[c].open;
+      (flux > 0 ? in : out) += std::abs(flux);
+    }
+  }
+  if (outlet) return;
+  if (std::abs(in - out) > 1e-9 * std::max(in, out))
+    refuse("boundary", text_of("inlets that bring ", in, " m3/s and take ", out, " m3/s, and no outlet"),
+           "a side or patch with 'pressure 0', or inlets that balance");
+  if (variable)
+    refuse("boundary", "an inlet that follows a variable, and no outlet", "a side or patch with 'pressure 0'");
 }
 
 }  // namespace twogrid

@@ -68,8 +68,11 @@ struct FluidSettings {
   Choice implicit_viscosity = Choice::kAuto;
   bool gap_friction = false;    ///< one-cell-deep scenes: -12 mu u / W^2
   double pressure_rtol = 1e-6;  ///< continuity error wanted, relative to U/h; also -fluid_pressure_rtol
-  /// Throws std::invalid_argument with a sentence (value found, value wanted, keyword) when something can't be right.
+  /// Both throw std::invalid_argument with a sentence (value found, value wanted, keyword) when something can't be
+  /// right. check: numbers, kinds of conditions, shapes on their sides; regions needn't be known yet. check_flow: every
+  /// patch covers a face, and what flows in can flow out; by the velocities of now.
   void check(const FineGrid& grid) const;
+  void check_flow(const FineGrid& grid) const;
 };
 
 }  // namespace twogrid

@@ -34,6 +34,7 @@
 
 #include "cfd/compiled.h"
 #include "coupling/fluid_layout.h"
+#include "memory_need.h"
 #include "pair_switch.h"
 #include "petsc_session.h"
 #include "scene_facts.h"
@@ -113,6 +114,7 @@ FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg,
   guarded([&] {
     script_ = parse_fix(id, std::vector<std::string>(arg + 3, arg + narg));
     refuse_what_cannot_be_served();
+    check_memory(world, script_.settings, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells());
     Script early = script_;  // what the box alone already rules out
     complete(early, box_facts());
   });
@@ -364,16 +366,17 @@ void FixTwogrid::init() {
         now.shape.inside = script_.settings.fluid.side[side][c].shape.inside;  // regions may have been made anew
       }
     check_region_faces();
-    check_patches_and_outlet(fluid_->settings(), fluid_->grid());  // inlets may have changed since the last run
+    fluid_->settings().check_flow(fluid_->grid());  // inlets may have changed since the last run
   });
 }
 
 void FixTwogrid::build() {
   Settings& s = script_.settings;
+  say(check_memory(world, s, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells()));
   complete(script_, box_facts());
   resolve_names();
   const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));
-  check_patches_and_outlet(s.fluid, grid);
+  s.fluid.check_flow(grid);
   SceneFacts facts = scene_facts(*lmp, groupbit);
   facts.still = still_;
   if (best_skin_option()) choose_skin(facts);
@@ -524,6 +527,7 @@ void FixTwogrid::setup(int) {
     if (gravity_varies_) coupling_->set_gravity(find_weights(*lmp, true));
     coupling_->force(p, update->dt, false);
     watch_coupling();
+    warn_of_unused_options("-fluid_", "-fluid_momentum_");  // asked for when viscosity is first implicit
 
     if (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_) write_frame(p);
     particles_before_ = -1;  // commands between runs may have deleted some
@@ -575,6 +579,18 @@ void FixTwogrid::couple() {
 void FixTwogrid::watch_coupling() {
   for (const std::string& sentence : watch_.look(coupling_->report(), steps_since_coupling_, update->dt))
     warn(sentence + " (step " + std::to_string(update->ntimestep) + ")");
+}
+
+/// Options of the command line that begin so, not the others, and that nothing has asked for: misspelt, most likely.
+void FixTwogrid::warn_of_unused_options(const std::string& beginning, const std::string& but) {
+  for (const std::string& option : unused_options(beginning)) {
+    if (!but.empty() && option.rfind(but, 0) == 0) continue;
+    if (std::find(unused_said_.begin(), unused_said_.end(), option) != unused_said_.end()) continue;
+    unused_said_.push_back(option);
+    warn("nothing has asked for the option " + option +
+         " of the command line: look how it is spelt (-fluid_pressure_..., -fluid_momentum_... and PETSc's name "
+         "after it), or take it out");
+  }
 }
 
 /// Between the fluid steps of one coupling: progress, and signals that can't wait for its end.
@@ -668,6 +684,7 @@ void FixTwogrid::post_run() {
     MPI_Allreduce(MPI_IN_PLACE, sum, 6, MPI_DOUBLE, MPI_SUM, world);
     if (update->ntimestep > step_begin_)
       say(shares_text(MPI_Wtime() - wall_begin_, sum[5], Shares{sum[0], sum[1], sum[2], sum[3], sum[4]}) + "\n");
+    warn_of_unused_options("-", "");
     if (accuracy_.on()) say(accuracy_text(accuracy_) + "\n");
   });
 }

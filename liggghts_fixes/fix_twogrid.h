@@ -90,6 +90,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void couple();
   void adjust_steps();
   void watch_coupling();
+  void warn_of_unused_options(const std::string& beginning, const std::string& but);
   void watch_fluid_step(int steps, double share);
   void watch_particles(long long own_signal);
   void write_frame(const Particles& p);
@@ -126,6 +127,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   long long particles_before_ = -1;     // at the last coupling of this run; -1: none yet
   long long lost_ = 0, lost_said_ = 0;  // particles that vanished; of these, said in a warning
   CouplingWatch watch_;
+  std::vector<std::string> unused_said_;  // options that a warning has told
 
   Progress progress_;
   double wall_begin_ = 0, cpu_begin_ = 0;

@@ -3,6 +3,7 @@
 #include <petscsys.h>
 
 #include <cstdio>
+#include <limits>
 #include <stdexcept>
 
 namespace twogrid {
@@ -49,7 +50,7 @@ std::optional<std::array<int, 3>> fluid_bricks_option(int ranks) {
   PetscBool given = PETSC_FALSE;
   PetscOptionsGetIntArray(nullptr, "fluid_", "-bricks", p, &n, &given);
   if (!given) return std::nullopt;
-  if (n != 3 || p[0] < 1 || p[1] < 1 || p[2] < 1 || p[0] * p[1] * p[2] != ranks)
+  if (n != 3 || p[0] < 1 || p[1] < 1 || p[2] < 1 || double(p[0]) * double(p[1]) * double(p[2]) != ranks)
     throw std::invalid_argument("-fluid_bricks: wanted three numbers of bricks, such as 1,1," + std::to_string(ranks) +
                                 ", whose product is the number of ranks, " + std::to_string(ranks));
   return std::array<int, 3>{int(p[0]), int(p[1]), int(p[2])};
@@ -70,6 +71,23 @@ bool best_skin_option() {
   if (skin != "best" && skin != "script")
     throw std::invalid_argument("-skin: found '" + skin + "', wanted best or script after it");
   return skin == "best";
+}
+
+std::vector<std::string> unused_options(const std::string& beginning) {
+  PetscInt n = 0;
+  char **names = nullptr, **values = nullptr;
+  std::vector<std::string> unused;
+  if (PetscOptionsLeftGet(nullptr, &n, &names, &values)) return unused;
+  for (PetscInt i = 0; i < n; ++i) {
+    const std::string name = std::string("-") + names[i];
+    if (name.rfind(beginning, 0) == 0) unused.push_back(name);
+  }
+  PetscOptionsLeftRestore(nullptr, &n, &names, &values);
+  return unused;
+}
+
+double most_cells() {
+  return double(std::numeric_limits<PetscInt>::max());
 }
 
 std::string petsc_version() {

@@ -20,6 +20,10 @@ std::optional<std::array<int, 3>> fluid_bricks_option(int ranks);
 bool balance_option();
 /// -skin best|script: whether neighbour lists whose skin is far from the best get another. The script's if not given.
 bool best_skin_option();
+/// Options given that nothing has asked for so far, each with its dash; of these, those that begin with `beginning`.
+std::vector<std::string> unused_options(const std::string& beginning);
+/// Cells that PETSc's integers can number.
+double most_cells();
 /// "3.18.1"
 std::string petsc_version();
 

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <sstream>
 
-#include "script_parser.h"
+#include "cfd/patches.h"
 #include "words.h"
 
 namespace twogrid {
 namespace {
+
+constexpr double kPatchError = 0.02;  // of a patch's area, above which it is told
 
 std::string three(const Int3& v, const char* between = " x ") {
   return std::to_string(v[0]) + between + std::to_string(v[1]) + between + std::to_string(v[2]);
@@ -21,6 +23,11 @@ double smallest_width(const Axis& axis, int block) {
   double w = 1e300;
   for (int i = 0; i + block <= axis.n(); i += block) w = std::min(w, axis.node(i + block) - axis.node(i));
   return w;
+}
+
+/// a < b, and by more than rounding: what a script gives as exactly the limit is no case for a warning.
+bool below(double a, double b) {
+  return a < b * (1 - 1e-9);
 }
 
 std::string condition_text(const BoundaryCondition& c) {
@@ -40,12 +47,13 @@ std::string condition_text(const BoundaryCondition& c) {
   return "";
 }
 
-double largest_inlet(const FluidSettings& fluid) {
+double largest_inlet(const FluidSettings& fluid, bool* varies) {
   double U = 0;
   for (int s = 0; s < 6; ++s)
     for (const BoundaryCondition& c : fluid.side[s])
       if (c.kind == BoundaryKind::kInlet) {
         const Vec3 u = c.velocity_now ? c.velocity_now() : c.velocity;
+        if (varies && c.velocity_now) *varies = true;
         U = std::max(U, std::abs(u[direction(s)]));
       }
   return U;
@@ -86,7 +94,7 @@ SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneF
                              facts.gravity[2] * facts.gravity[2]);
   constexpr double kEps = 0.4;
   if (d > 0 && facts.density > 0) n.Umf = minimum_fluidisation(d, facts.density, rho, mu, g, kEps);
-  n.U = std::max(largest_inlet(s.fluid), std::abs(s.fluid.initial_vortex));
+  n.U = std::max(largest_inlet(s.fluid, &n.U_varies), std::abs(s.fluid.initial_vortex));
   for (int i = 0; i < 3; ++i) {
     n.U = std::max(n.U, std::abs(s.fluid.initial_velocity[i]));
     if (s.fluid.flow_rate_set[i]) n.U = std::max(n.U, std::abs(s.fluid.flow_rate[i]));
@@ -102,6 +110,14 @@ SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneF
       n.tau = facts.density * (1 - kEps) / beta;
     }
   }
+  if (facts.d_max > 0 && s.every > 0 && facts.dem_dt > 0) {
+    double area = 1e300;  // of the smallest side between two particle cells
+    for (int i = 0; i < 3; ++i)
+      if (s.fine[i] > s.ratio[i])
+        area = std::min(area, smallest_width(grid.axis[(i + 1) % 3], s.ratio[(i + 1) % 3]) *
+                                  smallest_width(grid.axis[(i + 2) % 3], s.ratio[(i + 2) % 3]));
+    n.noise = 3.14159265358979 / 6 * d * d * d / (s.every * facts.dem_dt * area);
+  }
   n.cfl = std::max(n.U, n.Umf / kEps) * s.every * facts.dem_dt / n.h_min;
   return n;
 }
@@ -115,28 +131,53 @@ int automatic_every(const SceneNumbers& n, const Settings& s, double dem_dt) {
 }
 
 std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid, const SceneFacts& facts,
-                                        const SceneNumbers& n) {
+                                        const SceneNumbers& n, bool every_auto) {
   std::vector<std::string> w;
   const double d = facts.d_max;
-  if (d > 0 && n.h_coarse < 2 * d && (s.deposit == Deposit::kCentroid || s.deposit == Deposit::kTrilinear))
+  if (d > 0 && below(n.h_coarse, 2 * d) && (s.deposit == Deposit::kCentroid || s.deposit == Deposit::kTrilinear))
     w.push_back("the smallest particle cell is " + brief(n.h_coarse / d) +
                 " particle diameters, below 2, so that the void fraction is rough: raise ratio, or 'deposit exact'");
   for (int i = 0; i < 3; ++i)
-    if (d > 0 && s.fine[i] == 1 && grid.axis[i].length() < 2 * d && s.deposit == Deposit::kCentroid)
+    if (d > 0 && s.fine[i] == 1 && below(grid.axis[i].length(), 2 * d) && s.deposit == Deposit::kCentroid)
       w.push_back(std::string("the domain is ") + brief(grid.axis[i].length() / d) + " particle diameters deep in " +
                   "xyz"[i] + ": a void fraction over so thin a cell is an assumption");
-  if (facts.contact_time > 0 && facts.contact_time < 10 * facts.dem_dt)
+  if (facts.contact_time > 0 && below(facts.contact_time, 10 * facts.dem_dt))
     w.push_back("a contact lasts " + brief(facts.contact_time / facts.dem_dt) +
                 " DEM steps, fewer than 10: lower timestep below " + brief(facts.contact_time / 20) +
                 " s, or soften the contact");
   const double interval = s.every * facts.dem_dt;
-  if (n.tau > 0 && interval > 0.5 * n.tau && s.hold_flux == Choice::kOff)
+  if (n.tau > 0 && below(0.5 * n.tau, interval) && s.hold_flux == Choice::kOff)
     w.push_back("the coupling interval is " + brief(interval / n.tau) +
                 " response times of the bed with 'hold off': lower every below " +
                 std::to_string(std::max(1, int(0.5 * n.tau / facts.dem_dt))) + ", or 'hold auto'");
-  if (n.cfl > 5)
+  if (below(5, n.cfl))
     w.push_back("the fluid crosses " + brief(n.cfl) + " fine cells in one coupling interval: lower every towards " +
-                std::to_string(std::max(1, int(s.every / n.cfl))));
+                std::to_string(std::max(1, int(s.every / n.cfl))) +
+                (s.every / n.cfl < 1 ? ", and timestep to " + brief(facts.dem_dt * s.every / n.cfl) + " s" : ""));
+  if (n.U_varies && s.every > 0)
+    w.push_back("an inlet follows a variable: velocity U and all that follows from it (Re, St, CFL" +
+                std::string(every_auto ? ", every auto" : "") +
+                ") hold for its value now; look at f_ID[3] for the run's Courant number");
+  if (s.deposit == Deposit::kCentroid && !s.one_way && !facts.still && n.U > 0 && below(n.U, n.noise))
+    w.push_back(
+        "with 'deposit centroid' a particle that changes its particle cell replaces fluid within one coupling "
+        "interval, at " +
+        brief(n.noise) + " m/s over the cell's side (V_p/(interval area)) where the flow has " + brief(n.U) +
+        " m/s, and the pressure is noisy, in a liquid more than useful: choose 'deposit trilinear' or 'exact', "
+        "or raise every or ratio");
+  for (int side = 0; side < 6; ++side) {
+    const std::vector<PatchSize> sizes = patch_sizes(s.fluid, side, grid);
+    for (std::size_t c = 1; c < sizes.size(); ++c) {
+      const double more = sizes[c].drawn > 0 ? sizes[c].faces / sizes[c].drawn - 1 : 0.0;
+      if (std::abs(more) > kPatchError)
+        w.push_back(
+            "patch " + s.fluid.side[side][c].name + " of " + kSideNames[side] + " takes whole fine faces, " +
+            brief(sizes[c].faces) + " m2 where " + brief(sizes[c].drawn) + " m2 are drawn (" + (more > 0 ? "+" : "") +
+            brief(100 * more) +
+            " %), and an inlet's flow is as wrong: move its edges onto sides of fine cells, choose 'fine' so that "
+            "they lie there, or take more cells across it");
+    }
+  }
   const auto& dom = s.domain;
   for (const WallFacts& wall : facts.walls) {
     if (wall.normal >= 0) {
@@ -247,7 +288,11 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
       const bool silent = c.name.empty() && !side_given[side];
       std::string what = condition_text(c);
       if (silent) what += c.kind == BoundaryKind::kPeriodic ? " (as the box)" : " (not given in the script)";
-      if (!c.name.empty()) what += ", " + brief(covered_area(s.fluid, side, i, grid)) + " m2 of fine faces";
+      if (!c.name.empty()) {
+        const PatchSize size = patch_sizes(s.fluid, side, grid)[i];
+        what += ", " + brief(size.open) + " m2 of fine faces" +
+                (size.drawn >= 0 ? " (drawn: " + brief(size.drawn) + " m2)" : "");
+      }
       line(std::string(kSideNames[side]) + (c.name.empty() ? "" : " patch " + c.name), what);
     }
   line("fluid", "density " + text(s.fluid.density) + " kg/m3, viscosity " + text(s.fluid.viscosity) + " Pa s");
@@ -265,7 +310,12 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
   line("gravity", three(facts.gravity) + " m/s2" +
                       (facts.weights_differ ? " on average: not all particles have the same" : "") +
                       (facts.gravity_varies ? ", and what follows a variable" : ""));
-  if (n.U > 0) line("velocity U", brief(n.U) + " m/s");
+  const bool from_Umf = n.U > 0 && n.U == n.Umf;
+  if (n.U > 0)
+    line("velocity U", brief(n.U) + " m/s" + (from_Umf ? ", of minimum fluidisation" : "") +
+                           (n.U_varies ? from_Umf ? " (an inlet's variable is 0 now)" : " now (variable)" : ""));
+  else if (n.U_varies)
+    line("velocity U", "unknown: an inlet's variable is 0 now");
   if (n.Umf > 0) line("U_mf", brief(n.Umf) + " m/s (Ergun, eps 0.4), U/U_mf " + brief(n.U / n.Umf));
   if (n.Re > 0) line("Re = rho U d/mu", brief(n.Re));
   if (n.Stokes > 0) line("St = rho_p U d/9mu", brief(n.Stokes));
@@ -307,7 +357,7 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
   line("ranks", std::to_string(facts.ranks) + " as " + three(facts.bricks) +
                     (facts.fluid_bricks == facts.bricks ? "" : ", the fluid as " + three(facts.fluid_bricks)));
   if (s.output.every > 0) line("output", s.output.file + " every " + std::to_string(s.output.every) + " steps");
-  for (const std::string& w : scene_warnings(s, grid, facts, n)) out << "  WARNING: " << w << "\n";
+  for (const std::string& w : scene_warnings(s, grid, facts, n, every_auto)) out << "  WARNING: " << w << "\n";
   return out.str();
 }
 

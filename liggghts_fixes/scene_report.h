@@ -52,7 +52,9 @@ struct SceneNumbers {
   double Re = 0;        ///< rho_f U d / mu
   double Stokes = 0;    ///< of collisions, rho_p U d / (9 mu)
   double tau = 0;  ///< response time of particles to the drag, dense: rho_p eps_s / beta (Ergun at eps = 0.4, U), s
-  double cfl = 0;  ///< U_max dt_coupling / h_min with interstitial velocity (eps = 1 at inlets)
+  bool U_varies = false;  ///< an inlet follows a variable: U holds its value of now
+  double noise = 0;  ///< velocity by which a particle replaces fluid when it changes its particle cell at once (m/s)
+  double cfl = 0;    ///< U_max dt_coupling / h_min with interstitial velocity (eps = 1 at inlets)
 };
 
 /// Superficial velocity of minimum fluidisation (m/s): Ergun (1952) against the buoyant weight at void fraction eps.
@@ -69,7 +71,7 @@ std::vector<std::string> scene_savings(const Settings& settings, const SceneFact
 
 /// One sentence each, with what to change.
 std::vector<std::string> scene_warnings(const Settings& settings, const FineGrid& grid, const SceneFacts& facts,
-                                        const SceneNumbers& numbers);
+                                        const SceneNumbers& numbers, bool every_auto = false);
 
 /// The whole report, several lines.
 std::string scene_report(const Settings& settings, const std::array<bool, 6>& side_given, bool every_auto,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -348,36 +349,25 @@ std::string fix_modify_keywords() {
 
 // ---- checks of several keywords together ---------------------------------------------------------------------------
 
-std::array<double, 4> face_bounds(const std::array<double, 6>& domain, int side) {
-  std::array<double, 4> b{};
-  int at = 0;
-  for (int d = 0; d < 3; ++d)
-    if (d != direction(side)) b[at++] = domain[2 * d], b[at++] = domain[2 * d + 1];
-  return b;
-}
-
-void check_patch_on_face(const BoundaryCondition& c, const std::string& region, int side,
-                         const std::array<double, 6>& domain) {
-  const std::array<double, 4> face = face_bounds(domain, side);
-  const std::string keyword = "boundary " + side_name(side) + " patch " + c.name;
-  std::array<double, 4> patch = c.shape.value;
-  std::string found;
-  if (c.shape.kind == PatchShape::Kind::kRectangle) {
-    found = "rect " + text(patch[0]) + " " + text(patch[1]) + " " + text(patch[2]) + " " + text(patch[3]);
-  } else if (c.shape.kind == PatchShape::Kind::kCircle) {
-    const double a = patch[0], b = patch[1], r = patch[2];
-    found = "circle " + text(a) + " " + text(b) + " " + text(r);
-    patch = {a - r, a + r, b - r, b + r};
-  } else {
-    (void)region;
-    return;  // known only by its faces: check_patches_and_outlet
+/// The edge of a cube or the width of a kernel, that stands on cells of `block` fine ones.
+void check_length(const std::string& keyword, const std::string& what, double length, const Settings& s,
+                  const FineGrid& grid, const Int3& block) {
+  constexpr double kLeast = 1e-3;  // of a cell: below, the whole of it lies in one cell, and 1/length overflows at last
+  double narrowest = std::numeric_limits<double>::max(), longest = 0;
+  for (int d = 0; d < 3; ++d) {
+    const Axis& a = grid.axis[d];
+    longest = std::max(longest, a.length());
+    for (int i = 0; i + block[d] <= a.n(); i += block[d])
+      narrowest = std::min(narrowest, a.node(i + block[d]) - a.node(i));
+    if (length > a.length() && s.fine[d] > 1)
+      refuse(keyword, text(length),
+             "a" + std::string(what == "edge" ? "n " : " ") + what + " that fits into the domain, " + text(a.length()) +
+                 " in " + kAxis[d]);
   }
-  const double slack0 = 1e-9 * (face[1] - face[0]), slack1 = 1e-9 * (face[3] - face[2]);
-  if (patch[0] < face[0] - slack0 || patch[1] > face[1] + slack0 || patch[2] < face[2] - slack1 ||
-      patch[3] > face[3] + slack1)
-    refuse(keyword, found,
-           "a shape on the side's face, which spans " + text(face[0]) + " to " + text(face[1]) + " and " +
-               text(face[2]) + " to " + text(face[3]));
+  if (!(length >= kLeast * narrowest && length <= longest))
+    refuse(keyword, text(length),
+           "a" + std::string(what == "edge" ? "n " : " ") + what + " of some particle diameters (m), at least " +
+               text(kLeast) + " of the smallest cell, " + text(narrowest) + " m");
 }
 
 }  // namespace
@@ -502,6 +492,9 @@ void complete(Script& script, const BoxFacts& box) {
     const double box_lo = box.bounds[2 * d], box_hi = box.bounds[2 * d + 1], slack = 1e-9 * (box_hi - box_lo);
     const std::string found = text(lo) + " to " + text(hi) + " in " + kAxis[d];
     if (!(lo < hi)) refuse("domain", found, "a lower bound below the upper one");
+    // of its cells, volumes and squares are formed
+    if (!((hi - lo) / s.fine[d] > 1e-50 && hi - lo < 1e50 && hi - lo > 1e-9 * std::max(std::abs(lo), std::abs(hi))))
+      refuse("domain", found, "lengths in m that can be divided into cells");
     if (lo < box_lo - slack || hi > box_hi + slack)
       refuse("domain", found, "bounds inside the simulation box, " + text(box_lo) + " to " + text(box_hi));
     // bounds that mean the box's are the box's, to the bit
@@ -533,42 +526,25 @@ void complete(Script& script, const BoxFacts& box) {
                      : std::string("a domain that spans the whole periodic box in ") + kAxis[d]);
       }
       for (const BoundaryCondition& c : f.side[side])
-        if (!c.name.empty()) check_patch_on_face(c, "", side, s.domain);
-      if (s.fine[d] == 1) {
-        for (const BoundaryCondition& c : f.side[side]) {
-          const std::string name = keyword + (c.name.empty() ? "" : " patch " + c.name);
-          if (c.kind == BoundaryKind::kNoSlip)
-            refuse(name, std::string("noslip with fine 1 in ") + kAxis[d],
-                   "slip there (with 'gap friction on' for the walls' friction), or at least 2 fine cells");
-          if (c.kind == BoundaryKind::kInlet || c.kind == BoundaryKind::kPressure)
-            refuse(name, std::string("flow through a side of a direction with fine 1, ") + kAxis[d],
-                   "slip or periodic there, or at least 2 fine cells");
-        }
-      }
+        if (s.fine[d] == 1 && (c.kind == BoundaryKind::kInlet || c.kind == BoundaryKind::kPressure))
+          refuse(keyword + (c.name.empty() ? "" : " patch " + c.name),
+                 std::string("flow through a side of a direction with fine 1, ") + kAxis[d],
+                 "slip or periodic there, or at least 2 fine cells");
     }
-    const bool driven = f.pressure_gradient[d] != 0 || f.flow_rate_set[d];
-    if (driven && !periodic)
-      refuse(f.flow_rate_set[d] ? "flow_rate" : "pressure_gradient",
-             std::string("it in ") + kAxis[d] + ", which is not periodic", "a periodic direction");
     if (f.flow_rate_set[d] && f.pressure_gradient[d] != 0)
       refuse("flow_rate", std::string("it in ") + kAxis[d] + " together with pressure_gradient", "one of the two");
     if (s.stretch[d] != 1 && periodic)
       refuse("stretch", std::string("it in ") + kAxis[d] + ", which is periodic", "equal cells there");
   }
+  const FineGrid grid = fine_grid(s, periodic_directions(f));
+  f.check(grid);
   if (f.gap_friction && std::none_of(s.fine.begin(), s.fine.end(), [](int n) { return n == 1; }))
     refuse("gap friction", "on with fine " + text(s.fine[0]) + " " + text(s.fine[1]) + " " + text(s.fine[2]),
            "a direction with one fine cell, or off");
-  if (s.read == Read::kCube && s.deposit != Deposit::kCube && s.cube_edge <= 0)
-    refuse("read cube", text(s.cube_edge), "an edge above 0 (m)");
-  for (int d = 0; d < 3; ++d) {
-    const double length = s.domain[2 * d + 1] - s.domain[2 * d];
-    if (s.deposit == Deposit::kCube && s.cube_edge > length && s.fine[d] > 1)
-      refuse("deposit cube", text(s.cube_edge),
-             "an edge that fits into the domain, " + text(length) + " in " + kAxis[d]);
-    if (s.read == Read::kKernel && s.kernel_width > length && s.fine[d] > 1)
-      refuse("read kernel", text(s.kernel_width),
-             "a width that fits into the domain, " + text(length) + " in " + kAxis[d]);
-  }
+  const bool cube = s.deposit == Deposit::kCube || s.read == Read::kCube;
+  if (cube)
+    check_length(s.deposit == Deposit::kCube ? "deposit cube" : "read cube", "edge", s.cube_edge, s, grid, s.ratio);
+  if (s.read == Read::kKernel) check_length("read kernel", "width", s.kernel_width, s, grid, {1, 1, 1});
   if (s.one_grid && s.ratio != Int3{1, 1, 1})
     refuse("method " + s.method,
            "ratio " + text(s.ratio[0]) + " " + text(s.ratio[1]) + " " + text(s.ratio[2]) + " in the fix command",
@@ -577,63 +553,6 @@ void complete(Script& script, const BoxFacts& box) {
   if (s.output.every == 0 && !s.output.file.empty()) refuse("output", "no every", "every and a number of DEM steps");
   if (s.output.every > 0 && !script.every_auto && s.output.every % s.every != 0)
     refuse("output every", std::to_string(s.output.every), "a multiple of the fix's every, " + std::to_string(s.every));
-}
-
-bool covers(const PatchShape& shape, int side, const Vec3& centre) {
-  const int n = direction(side);
-  const int a = n == 0 ? 1 : 0, b = n == 2 ? 1 : 2;
-  switch (shape.kind) {
-    case PatchShape::Kind::kWhole:
-      return true;
-    case PatchShape::Kind::kRectangle:
-      return centre[a] > shape.value[0] && centre[a] < shape.value[1] && centre[b] > shape.value[2] &&
-             centre[b] < shape.value[3];
-    case PatchShape::Kind::kCircle:
-      return std::hypot(centre[a] - shape.value[0], centre[b] - shape.value[1]) < shape.value[2];
-    case PatchShape::Kind::kRegion:
-      return shape.inside && shape.inside(centre);
-  }
-  return false;
-}
-
-double covered_area(const FluidSettings& fluid, int side, std::size_t index, const FineGrid& grid) {
-  const int d = direction(side);
-  Box layer = grid.cells();
-  layer.lo[d] = is_high(side) ? layer.hi[d] - 1 : 0;
-  layer.hi[d] = layer.lo[d] + 1;
-  double area = 0;
-  for_each(layer, [&](int i, int j, int k) {
-    Vec3 centre{grid.axis[0].centre(i), grid.axis[1].centre(j), grid.axis[2].centre(k)};
-    centre[d] = is_high(side) ? grid.axis[d].hi() : grid.axis[d].lo();
-    std::size_t top = 0;
-    for (std::size_t c = 1; c < fluid.side[side].size(); ++c)
-      if (covers(fluid.side[side][c].shape, side, centre)) top = c;
-    if (top == index) area += grid.area(d, i, j, k);
-  });
-  return area;
-}
-
-void check_patches_and_outlet(const FluidSettings& fluid, const FineGrid& grid) {
-  double in = 0, out = 0;
-  bool outlet = false;
-  for (int side = 0; side < 6; ++side) {
-    const int d = direction(side);
-    for (std::size_t c = 0; c < fluid.side[side].size(); ++c) {
-      const BoundaryCondition& condition = fluid.side[side][c];
-      const double area = covered_area(fluid, side, c, grid);
-      if (area == 0 && !condition.name.empty())
-        refuse("boundary " + side_name(side) + " patch " + condition.name, "a shape that holds no fine face's centre",
-               "one that covers at least one fine face of the side, or finer cells");
-      if (condition.kind == BoundaryKind::kPressure && area > 0) outlet = true;
-      if (condition.kind != BoundaryKind::kInlet) continue;
-      const Vec3 u = condition.velocity_now ? condition.velocity_now() : condition.velocity;
-      const double flux = (is_high(side) ? -u[d] : u[d]) * area;
-      (flux > 0 ? in : out) += std::abs(flux);
-    }
-  }
-  if (!outlet && std::abs(in - out) > 1e-9 * std::max(in, out))
-    refuse("boundary", "inlets that bring " + text(in) + " m3/s and take " + text(out) + " m3/s, and no outlet",
-           "a side or patch with 'pressure 0', or inlets that balance");
 }
 
 }  // namespace twogrid

@@ -49,7 +49,7 @@ Script parse_fix(const std::string& id, const std::vector<std::string>& words);
 void parse_fix_modify(Script& script, const std::vector<std::string>& words, bool started);
 
 /// Fills in what the box says (domain, periodic sides) and checks what concerns several keywords: domain inside the
-/// box, sides of periodic directions, one-cell directions, patches on their faces, imposed gradients.
+/// box, sides of periodic directions, lengths against cells, and all that FluidSettings::check looks at.
 void complete(Script& script, const BoxFacts& box);
 
 /// LIGGGHTS' boundary codes (0 p, 1 f, 2 s, 3 m; [direction][lo, hi]): s and m move the box at every rebuild and are
@@ -60,14 +60,5 @@ void check_box_boundary(const int boundary[3][2]);
 FineGrid fine_grid(const Settings& settings, const std::array<bool, 3>& periodic);
 /// Directions whose two sides are periodic.
 std::array<bool, 3> periodic_directions(const FluidSettings& fluid);
-
-/// Checks that every patch (regions resolved) covers a face of the grid, and that what flows in can flow out: without a
-/// pressure side the inlets must balance. Velocities are those of FluidSettings::side now.
-void check_patches_and_outlet(const FluidSettings& fluid, const FineGrid& grid);
-
-/// Whether the centre (m) of a face of the side belongs to the patch.
-bool covers(const PatchShape& shape, int side, const Vec3& centre);
-/// Area (m2) of the side's faces that condition number `index` holds on; later ones lie on top of earlier ones.
-double covered_area(const FluidSettings& fluid, int side, std::size_t index, const FineGrid& grid);
 
 }  // namespace twogrid

@@ -14,10 +14,30 @@ const char kTail[] = "</Domain>\n</Xdmf>\n";
 const char kSeriesHead[] = "<Grid Name=\"series\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
 const char kSeriesTail[] = "</Grid>\n";
 
+/// A file's name as text of XML.
+std::string escaped(const std::string& name) {
+  std::string s;
+  for (char c : name) {
+    if (c == '&')
+      s += "&amp;";
+    else if (c == '<')
+      s += "&lt;";
+    else if (c == '>')
+      s += "&gt;";
+    else if (c == '"')
+      s += "&quot;";
+    else if (c == '\'')
+      s += "&apos;";
+    else
+      s += c;
+  }
+  return s;
+}
+
 std::string item(const std::string& h5, const std::string& path, const std::string& dimensions, bool integer = false) {
   return "<DataItem Format=\"HDF\" " +
          std::string(integer ? "NumberType=\"Int\" Precision=\"4\"" : "NumberType=\"Float\" Precision=\"8\"") +
-         " Dimensions=\"" + dimensions + "\">" + h5 + ":" + path + "</DataItem>\n";
+         " Dimensions=\"" + dimensions + "\">" + escaped(h5) + ":" + path + "</DataItem>\n";
 }
 
 std::string attributes(const std::string& h5, const std::vector<XdmfField>& fields, const char* centre,

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "cfd/patches.h"
 #include "coupling/methods.h"
 #include "liggghts_fixes/script_parser.h"
 #include "liggghts_fixes/words.h"
@@ -303,20 +304,20 @@ TEST(ScriptPatches, AreasAddUpAndBalanceIsAskedFor) {
   complete(s, box());
   const FluidSettings& f = s.settings.fluid;
   const FineGrid grid = fine_grid(s.settings, periodic_directions(f));
-  EXPECT_NEAR(covered_area(f, kZlo, 1, grid), 0.002 * 0.004, 1e-18);  // 2 of 8 columns
-  EXPECT_NEAR(covered_area(f, kZlo, 0, grid), 0.006 * 0.004, 1e-18);
-  const std::string none = sentence([&] { check_patches_and_outlet(f, grid); });
+  EXPECT_NEAR(patch_sizes(f, kZlo, grid)[1].open, 0.002 * 0.004, 1e-18);  // 2 of 8 columns
+  EXPECT_NEAR(patch_sizes(f, kZlo, grid)[0].open, 0.006 * 0.004, 1e-18);
+  const std::string none = sentence([&] { f.check_flow(grid); });
   // 0.5 m/s over 0.006 x 0.004 m2 and 2 m/s over 0.002 x 0.004 m2
   EXPECT_TRUE(has(none, "no outlet") && has(none, "2.8e-05")) << none;
 
   FluidSettings balanced = f;
   balanced.side[kZhi][0].kind = BoundaryKind::kInlet;
   balanced.side[kZhi][0].velocity = {0, 0, 2.8e-5 / (0.008 * 0.004)};
-  EXPECT_EQ(sentence([&] { check_patches_and_outlet(balanced, grid); }), "no exception");
+  EXPECT_EQ(sentence([&] { balanced.check_flow(grid); }), "no exception");
   balanced.side[kZhi][0].kind = BoundaryKind::kPressure;
-  EXPECT_EQ(sentence([&] { check_patches_and_outlet(balanced, grid); }), "no exception");
+  EXPECT_EQ(sentence([&] { balanced.check_flow(grid); }), "no exception");
   balanced.side[kZlo][1].shape.value = {0.0021, 0.0022, 0, 0.004};
-  EXPECT_TRUE(has(sentence([&] { check_patches_and_outlet(balanced, grid); }), "no fine face"));
+  EXPECT_TRUE(has(sentence([&] { balanced.check_flow(grid); }), "no fine face"));
 }
 
 }  // namespace
