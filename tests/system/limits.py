@@ -1,19 +1,22 @@
 #!/usr/bin/python3
 """Limits of a run are told, with their remedy: what the eps bound moves or cannot place, couplings of too many fluid steps, inlets that
-are not numbers.
+are not numbers, grids that don't fit into memory, options that nothing asks for; names of files and a fluid at rest beside them.
 
     limits.py EXECUTABLE RANKS...
 
 What would pass falsely without it: an obstacle of overlapping spheres whose volume the eps bound has moved all over the channel, or a
 bed with more solids than the bound allows anywhere, simulated to the end without a word; a coupling that needs a million fluid steps and looks like one that hangs, or
-hears no signal; a remedy that has nothing to do with the variable that is nan.
+hears no signal; a remedy that has nothing to do with the variable that is nan; a machine that swaps, or kills the run, before a word
+is said; a memory estimate that no run bears out; a misspelt option that changes nothing; XDMF that no reader takes.
 """
 import math
 import os
+import resource
 import signal
 import subprocess
 import tempfile
 import time
+import xml.etree.ElementTree
 
 import numpy as np
 
@@ -71,11 +74,12 @@ def bound_cannot_be_kept(c, executable):
 ONE = np.array([[0.004, 0.002, 0.004]])
 
 
-def refused(c, executable, what, words, modify="", before="", then="", ranks=1):
+def refused(c, executable, what, words, modify="", before="", then="", ranks=1, fine="fine 8 4 8 ratio 2 2 2", options=()):
     """One sphere in a channel; the run ends with one sentence that holds all words."""
     begin = time.time()
-    text = head_with_particles(1e-6, boundary="f f f") + before + GAS.format(modify=modify) + "run 20\n" + then
-    r = Run(executable, text, ranks, files={"particles.data": data_file(BOX, ONE, 1e-3, 2500)}, expect_success=False, timeout=60)
+    text = head_with_particles(1e-6, boundary="f f f") + before + GAS.format(modify=modify).replace(
+        "fine 8 4 8 ratio 2 2 2", fine) + "run 20\n" + then
+    r = Run(executable, text, ranks, options, files={"particles.data": data_file(BOX, ONE, 1e-3, 2500)}, expect_success=False, timeout=60)
     errors = [line for line in r.output.splitlines() if line.startswith("ERROR")]
     c.true(f"{what}: {(errors or ['no sentence'])[0]}",
            r.code != 0 and len(errors) == 1 and all(w in errors[0] for w in words) and time.time() - begin < 10)
@@ -129,6 +133,54 @@ def signal_within_a_coupling(c, executable, ranks):
            running and len(said) == 1 and p.returncode != 0 and took < 8)
 
 
+def grids_too_large(c, executable, ranks):
+    for fine in ("fine 100000 1 100000 ratio 100000 1 100000", "fine 3000 3000 3000", "fine 2000000000 2000000000 2000000000",
+                 "fine 1250 1250 1250"):  # the last can be numbered, and needs half a terabyte
+        cells = np.prod([float(w) for w in fine.split()[1:4]])
+        refused(c, executable, fine, ["fine: found", f"{cells:.4g}"], fine=fine, ranks=ranks[-1])
+    refused(c, executable, "bricks whose product overflows to 1", ["-fluid_bricks"], options=["-fluid_bricks", "641,6700417,1"])
+
+
+def memory_that_was_estimated(c, executable):
+    """Two grids; the difference of what they take, by the system, against the difference of what was said."""
+    took, said = [], []
+    for n in (48, 112):
+        text = head_with_particles(1e-6, boundary="f f f") + GAS.format(modify="").replace("fine 8 4 8", f"fine {n} {n} {n}") + "run 5\n"
+        r = Run(executable, text, files={"particles.data": data_file(BOX, ONE, 1e-3, 2500)})
+        took.append(1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+        words = r.output.split("fine cells need about ")[1].split()
+        said.append(float(words[0]) * {"MB": 1e6, "GB": 1e9}[words[1]])
+    took, said = took[1] - took[0], said[1] - said[0]
+    c.below(f"memory: said {said / 1e6:.0f} MB more for the larger grid, took {took / 1e6:.0f} MB: difference / taken",
+            abs(said / took - 1), 0.25)
+
+
+def words_that_nothing_reads(c, executable, ranks):
+    """Misspelt options, and in the same run the name of a file that XML has to quote."""
+    name = "bed & <1>s.h5"
+    text = head_with_particles(1e-6, boundary="f f f") + GAS.format(modify="").replace(
+        "output off", f"output every 5 file '{name}'") + "run 10\nrun 10\n"
+    wrong = ["-fluid_pressure_rtoll", "-fluid_presure_rtol", "-ksp_rtoll"]
+    right = ["-fluid_pressure_rtol", "-fluid_pressure_ksp_norm_type"]
+    options = [w for o, v in zip(wrong + right, ("1e-9", "1e-9", "1e-9", "1e-9", "natural")) for w in (o, v)]
+    r = Run(executable, text, ranks[-1], options, files={"particles.data": data_file(BOX, ONE, 1e-3, 2500)})
+    for option in wrong:
+        c.true(f"{option}: told {len(warnings(r, option + ' '))} time(s)", len(warnings(r, option + " ")) == 1)
+    for option in right:
+        c.true(f"{option}: told {len(warnings(r, option + ' '))} time(s)", not warnings(r, option + " "))
+    xml_name = r.file(name.replace(".h5", ".xdmf"))
+    items = [i.text.split(":")[0] for i in xml.etree.ElementTree.parse(xml_name).iter("DataItem")]
+    c.true(f"{len(items)} data items of the XDMF file name {name}", len(items) > 10 and set(items) == {name} and os.path.exists(r.file(name)))
+
+
+def fluid_at_rest(c, executable):
+    """A held sphere, nothing blows. Continuity over a velocity that is rounding alone is no figure."""
+    text = head_with_particles(1e-5, boundary="f f f") + GAS.format(modify="").replace("inlet 0 0 0.5", "slip").replace(
+        "f_gas[9]", "f_gas[9] f_gas[5]") + "run 200\n"
+    t = Run(executable, text, files={"particles.data": data_file(BOX, ONE, 1.2e-3, 1000)}).thermo()
+    c.below("continuity error of a fluid at rest", np.max(np.abs(t["f_gas[5]" if "f_gas[5]" in t else "gas[5]"])), 0)
+
+
 def main():
     executable, ranks = arguments()
     c = Checks("limits that are told")
@@ -137,6 +189,10 @@ def main():
     too_many_fluid_steps(c, executable, ranks)
     not_a_number(c, executable, ranks)
     signal_within_a_coupling(c, executable, ranks)
+    grids_too_large(c, executable, ranks)
+    words_that_nothing_reads(c, executable, ranks)
+    fluid_at_rest(c, executable)
+    memory_that_was_estimated(c, executable)
     c.end()
 
 

@@ -127,6 +127,62 @@ TEST(SceneWarnings, EachHasItsCause) {
   EXPECT_TRUE(any_with(warnings(), "fine cells in one coupling interval"));
 }
 
+TEST(SceneWarnings, NoneAtTheLimitItself) {
+  Settings s = scene();
+  SceneFacts f = facts();
+  s.domain = {0, 0.048, 0, 0.0192, 0, 0.24};  // cells of 1.2, 1.92 and 1.2 mm
+  f.d_min = f.d_mean = f.d_max = 1.2e-3;
+  s.ratio = {2, 2, 2};  // particle cells of two diameters
+  const auto rough = [&] {
+    const FineGrid grid = fine_grid(s, {false, false, false});
+    return any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "below 2");
+  };
+  EXPECT_FALSE(rough());
+  f.d_max = 1.2001e-3;
+  EXPECT_TRUE(rough());
+}
+
+TEST(SceneWarnings, NoiseOfParticlesThatChangeCellsAtOnce) {
+  Settings s = scene();
+  SceneFacts f = facts();
+  const auto noise = [&] {
+    const FineGrid grid = fine_grid(s, {false, false, false});
+    return any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "deposit centroid");
+  };
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  // V_p over 10 steps of 1e-5 s and the smallest side of a particle cell, 4 x 4 mm2
+  EXPECT_NEAR(scene_numbers(s, grid, f).noise, M_PI / 6 * 1.728e-9 / (1e-4 * 1.6e-5), 1e-4);
+  s.deposit = Deposit::kCentroid;
+  EXPECT_FALSE(noise());  // 0.57 of 0.9 m/s
+  f.dem_dt = 1e-6;
+  EXPECT_TRUE(noise());
+  for (const Deposit smooth : {Deposit::kTrilinear, Deposit::kExact}) {
+    s.deposit = smooth;
+    EXPECT_FALSE(noise());
+  }
+  s.deposit = Deposit::kCentroid;
+  f.still = true;  // nothing changes its cell
+  EXPECT_FALSE(noise());
+}
+
+TEST(SceneReportText, InletsThatFollowAVariable) {
+  Settings s = scene();
+  double U = 0;
+  s.fluid.side[kZlo][0].velocity_now = [&] { return Vec3{0, 0, U}; };
+  SceneFacts f = facts();
+  const auto report = [&] {
+    return scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), f);
+  };
+  EXPECT_NE(report().find("of minimum fluidisation (an inlet's variable is 0 now)"), std::string::npos);
+  EXPECT_NE(report().find("hold for its value now"), std::string::npos);
+  U = 2;
+  EXPECT_NE(report().find("2 m/s now (variable)"), std::string::npos);
+  U = 0, f.density = 0;  // no U_mf either
+  EXPECT_NE(report().find("unknown: an inlet's variable is 0 now"), std::string::npos);
+  s.fluid.side[kZlo][0].velocity_now = nullptr;
+  EXPECT_EQ(report().find("variable"), std::string::npos);
+}
+
 TEST(SceneReportText, SkinFarFromTheBest) {
   const Settings s = scene();
   const auto report = [&](double skin, double script = -1) {

@@ -291,6 +291,23 @@ TEST(ScriptComplete, RefusesWhatTheBoxRulesOut) {
   EXPECT_TRUE(has(completed(kFix, "boundary xlo patch slot rect 0 0.008 0 0.016 inlet 1 0 0"), "on the side's face"));
 }
 
+TEST(ScriptComplete, LengthsThatFitTheCells) {
+  const auto completed = [](const std::string& more, const std::string& words = kFix) {
+    return sentence([&] {
+      Script s = fix(words);
+      modify(s, more);
+      complete(s, box());
+    });
+  };
+  const std::string flat = "fine 1 1 1 density 1 viscosity 1 every 1";
+  for (const std::string keyword : {"deposit cube", "read cube", "read kernel"}) {
+    EXPECT_EQ(completed(keyword + " 0.003"), "no exception") << keyword;
+    for (const std::string bad : {"1e-300", "1e-9", "0.0041", "1e300"})
+      EXPECT_TRUE(has(completed(keyword + " " + bad), keyword + ": found")) << keyword << " " << bad;
+    EXPECT_TRUE(has(completed(keyword + " 1e300", flat), keyword)) << keyword;
+  }
+}
+
 TEST(ScriptComplete, MovingBoxesGetTheLineToWrite) {
   const int moving[3][2] = {{0, 0}, {1, 2}, {3, 1}};
   EXPECT_TRUE(has(sentence([&] { check_box_boundary(moving); }), "'boundary p f f'"));
