@@ -224,6 +224,7 @@ struct Multigrid<T>::Level {
   /// Calls f(j, k, memory index of the row's first own cell, stripes of the colour) for each row of own cells.
   template <class F>
   void whole_rows(int colour, F&& f) const {
+    if (own.empty()) return;  // else, with no cell in x, f would look for the colour of a row's first cell
     for (int k = own.lo[2]; k < own.hi[2]; ++k)
       for (int j = own.lo[1]; j < own.hi[1]; ++j)
         f(j, k, x.index(own.lo[0], j, k), stripes.data() + ((own.lo[0] + j + k + colour) & 1));

@@ -133,6 +133,7 @@ TEST(SceneWarnings, NoneAtTheLimitItself) {
   s.domain = {0, 0.048, 0, 0.0192, 0, 0.24};  // cells of 1.2, 1.92 and 1.2 mm
   f.d_min = f.d_mean = f.d_max = 1.2e-3;
   s.ratio = {2, 2, 2};  // particle cells of two diameters
+  s.deposit = Deposit::kCentroid;
   const auto rough = [&] {
     const FineGrid grid = fine_grid(s, {false, false, false});
     return any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "below 2");
