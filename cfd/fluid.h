@@ -89,8 +89,8 @@ class Fluid {
   virtual const CellField<FineGrid>& pressure() const = 0;
   virtual const CellField<FineGrid>& void_fraction() const = 0;
   virtual double time() const = 0;
-  /// True where the fluid knows eps u of own faces (m/s) and d(eps)/dt - q of own cells (1/s) as the continuity of the
-  /// last step was solved.
+  /// True if flux(), eps u of own faces (m/s), and dilation(), d(eps)/dt - q of own cells (1/s), are given as the
+  /// discrete continuity of the last step had them.
   virtual bool knows_last_step() const { return false; }
   virtual double flux(int, int, int, int) const { return 0; }
   virtual double dilation(int, int, int) const { return 0; }

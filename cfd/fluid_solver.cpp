@@ -484,7 +484,7 @@ inline void FluidSolver::predict_component(const Step& step, const Interphase& e
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
       const double V = row.volume(i);
-      // eps on the faces at the levels before: of prescribed faces not theirs, but those are set afterwards.
+      // eps on the faces at the levels before; wrong on prescribed faces, whose u* apply_normal() overwrites.
       const double f1 = e1[i - s] + share[i] * (e1[i] - e1[i - s]), f2 = e2[i - s] + share[i] * (e2[i] - e2[i - s]);
       const double sum = o[i] - (c1 * f1 * now[i] + c2 * f2 * old[i]) * V;
       o[i] = sum;

@@ -172,7 +172,8 @@ class FluidSolver : public Fluid {
   Vec3 imposed_{0, 0, 0};              // G (Pa/m)
   int idle_steps_ = 0;                 // steps in a row that could have been longer
 
-  // Work. Fields whose lives don't meet share memory. Doubles a cell, H: on own cells and the halo, else on own cells:
+  // Work. Fields that are never needed at the same time share memory. Doubles a cell, H: on own cells and the halo, else
+  // on own cells:
   //   H  u_ 3, u_old_ 3, u_next_ 3, u_tilde_ 3, eps_f_ 3, eps_ 3, p_ 1, phi_ 1: together 20, and 3 bytes of face states
   //      imbalance_ 1; pressure solver: solution 1, conjugate gradients 3; with it 36 bytes a cell of each multigrid
   //      level and its halo of one (single precision; all levels: 1.4 to 1.7 times the finest)

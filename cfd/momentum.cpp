@@ -9,8 +9,8 @@ namespace twogrid {
 
 namespace {
 
-/// Change of a value on the way to a side, half of twice the harmonic mean of the slopes on both sides of it; zero at
-/// an extremum (van Leer 1974).
+/// van Leer's (1974) increment of a value from a cell's centre to its side: the distance times the harmonic mean of the
+/// slopes before and behind; zero at an extremum.
 inline double limited_change(double distance, double slope, double behind) {
   const double p = slope * behind;
   const bool rises = p > 0;

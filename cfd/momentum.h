@@ -39,7 +39,8 @@ class Momentum {
     return below + axis_[c].above_share_[Int3{i, j, k}[c] - axis_[c].lo] * (eps.data()[m] - below);
   }
   /// out -= rho sum over the volume's faces of (F u), N, F = eps_f u, both with halo and ghosts. van Leer (1974)
-  /// limited, or central; what eps_f explains of a change of u along itself is never limited.
+  /// limited, or central. Along its own direction only the part of a change of u that doesn't keep eps_f u constant is
+  /// limited.
   void convect(double rho, const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u, Convection scheme,
                FaceField<FineGrid>& out);
   /// rho F u of component c through the centre of own cell (i,j,k), along c, as convect takes it, N.

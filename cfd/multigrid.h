@@ -38,7 +38,7 @@ class Multigrid {
   /// Inside a pair, a conductance counts as at least this share of the outer face's: where the pair is cut in two
   /// (contrast, an obstacle) the coarse grid stays connected.
   static constexpr double kLeastInner = 0.1;
-  /// The weights of the second parents of a cell, of all directions together, are at most this.
+  /// A cell's interpolation weights from coarse cells beside its own, summed over the directions, are at most this.
   static constexpr double kMostOuter = 1;
   /// A level of at most so many cells on all ranks is solved directly.
   static constexpr int kDirect = 100;

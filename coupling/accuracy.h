@@ -5,8 +5,7 @@
 //                    rest has 0.5 Delta/T of it and is wrong by 0.14 Delta/T (T its response time;
 //                    cases/studies/coupling_interval): an upper bound of what the results feel.
 //   step error       difference of the fluid's interval when taken in steps of half the length, times kMemory, the
-//   number
-//                    of intervals whose errors add up. Of second order.
+//                    number of intervals whose errors add up. Of second order.
 // Each is held at the wanted value by its own step, by means over kTogether checks. An error that doesn't fall when its
 // step is shortened is noise of the method (particles crossing cells; deposit centroid): the longer step is taken
 // again.

@@ -27,7 +27,8 @@ namespace {
 /// Interval over response time of the particles above which `hold auto` holds the flux, and below which it lets go.
 constexpr double kHoldAbove = 0.05, kHoldBelow = 0.025;
 
-/// Interval over response time above which b' is so far below b that the fluid's own drag has to be completed.
+/// Interval over response time above which the implicit coefficient b' lies so far below b that the drag on what the
+/// fluid does below the size of a reading is completed (complete_drag()).
 constexpr double kComplete = 0.02;
 /// The same for the time in which a particle crosses what it reads: below, b'' is b to 10 %.
 constexpr double kFollow = 0.2;
@@ -590,9 +591,9 @@ void Coupling::Impl::react(const Particles& p, double interval) {
 
 /// What a particle reads is a mean over faces, R_p u. In react() face f feels, of particle p, w_pf times
 ///   -I_p/D + b'_p (u_ref - u_f) = -I_p/D + b'_p (u_ref - R_p u) + b'_p (R_p u - u_f):
-/// the last is drag on the fluid's own deviation from what the particle reads, with a coefficient that hangs on the
-/// interval. Meant is b''_p = (m/T)(1 - exp(-b T/m)), T the time in which the particle crosses what it reads: heavy
-/// particles resist the deviation with b in full, light ones would follow it, did they see it. The rest,
+/// the last is drag on the fluid's own deviation from what the particle reads, with a coefficient that depends on the
+/// interval. The coefficient wanted is b''_p = (m/T)(1 - exp(-b T/m)), T the time in which the particle crosses what it
+/// reads: heavy particles resist the deviation with b in full, light ones would follow it, did they see it. The rest,
 /// (b'' - b') (R_p u - u_f), is added here with u of the interval's begin. Its sum over the faces is zero: no particle
 /// receives it. Being explicit it is kept below half of the implicit part.
 double Coupling::Impl::deviation_response(const Particles& p, int i) const {

@@ -30,7 +30,8 @@ namespace twogrid {
 class Fluid;
 class ParticleGrid;
 
-/// Figures of the last coupling and of the run so far; the same on all ranks. The order is that of f_ID[1..].
+/// Figures of the last coupling and of the run so far; the same on all ranks. f_ID[1..10] are the first ten, in
+/// this order; f_ID[11..15]: see FixTwogrid::compute_vector.
 struct Report {
   double fluid_time = 0, fluid_dt = 0, cfl = 0, pressure_drop = 0, divergence_error = 0;
   double solid_volume_error = 0;  ///< relative: deposited against the particles' own
@@ -38,7 +39,6 @@ struct Report {
   double volume_moved = 0;        ///< by the eps bound, m3 (bound clip: thrown away)
   double eps_min = 1;
   int pressure_iterations = 0;
-  // not in the vector
   long long fluid_steps = 0;
   double max_drag_number = 0;  ///< largest beta Dt/(rho_p eps_s): interval over response time
   bool holding_flux = false;
@@ -84,8 +84,8 @@ class Coupling {
   /// counted, f is left alone.
   void repeat_force();
 
-  /// At the end of every DEM step, after the last half kick: turns the force into that of the next half kick. Differs
-  /// from nothing only for steps that are long against a particle's response time. Not in set-up. Local.
+  /// At the end of every DEM step, after the last half kick: turns the force into that of the next half kick. Does
+  /// nothing for particles whose response time is long against the DEM step (StepForces::kStiff). Not in set-up. Local.
   void finish_step(Particles& p);
   /// For the buoyancy -V_p rho_f g: p is the dynamic pressure, its hydrostatic part is not in the fluid's equations. Not
   /// called: none.

@@ -12,8 +12,9 @@
 
 namespace twogrid {
 
-/// Added to a double of size below 2^51 and taken away again, it leaves the nearest whole number (the sum is so large
-/// that its last place is worth one); not taken away, the sum's bits are that number's, but for the bits of itself.
+/// Added to a double of size below 2^51 and subtracted again, it leaves the nearest whole number: the sum is so large
+/// that its last place is worth one. Before the subtraction that whole number is the sum's bits, read as an integer,
+/// less kWholeBits.
 constexpr double kWhole = 6755399441055744.0;           // 1.5 2^52
 constexpr long long kWholeBits = 0x4338000000000000LL;  // of the same
 

@@ -40,9 +40,9 @@ struct Taken {
   double kick_size = 0;                   ///< sum of the sizes of its components (kg m/s)
 };
 
-/// K = b' (mean u - u_ref) D goes to the velocity, u_ref: u as read at the last coupling, by the same weights; then u,
-/// eps, the residual's part of the pressure force, b and the columns that depend on b to the state, in which the next
-/// interval's impulse begins at zero. Local.
+/// Adds K/m to the velocity, K = b' (mean u - u_ref) D, u_ref: u as read at the last coupling, by the same weights. Then
+/// stores u, eps, the residual's part of the pressure force, b and the columns that depend on b, and sets the impulse of
+/// the next interval to zero. Local.
 void kick_and_read(Particles& p, const std::vector<int>& who, const std::vector<ImplicitDrag>& drag,
                    const Taking& taking, Taken& taken);
 

@@ -5,8 +5,7 @@
 //   v(t)   = sum w m v / sum w m               now
 //   v_n                                        the same at the last coupling
 //   v_flux                                     of the velocity that the continuity equation saw at the last coupling
-//   beta   = sum w b_A / V,  D_n = sum w b_A (u - v) / V   at the last coupling (b_A: drag coefficient of formulation
-//   A)
+//   beta   = sum w b_A / V,  D_n = sum w b_A (u - v) / V   at the last coupling (b_A: formulation A's drag coefficient)
 // the fluid velocity that a particle sees at time t is
 //   u_seen = u_read - C,     C = (eps_s (v(t) - v_flux) - J)/eps
 // and in formulation A the part of -grad p that balances the drag, D/eps, is

@@ -14,7 +14,7 @@ enum ParticleColumn {
   kPressureForce = 3,  ///< 3-5 -V_p grad p as read at the last coupling (N); zero in formulation B with one size
   kVoidFraction = 6,   ///< 6 eps that the particle sees
   kFluidVelocity = 7,  ///< 7-9 u read at the last coupling, by the weights of the reaction (m/s)
-  kLateForce = 10,     ///< 10-12 what the second half of a stiff step's force has over the first (N); else zero
+  kLateForce = 10,     ///< 10-12 stiff steps: force of the half kick after the step's end less that of before (N)
   kSizeRatio = 13,     ///< 13 diameter over the local Sauter mean
   kPosition = 14,      ///< 14-16 x at the last coupling (m)
   kPathVelocity = 17,  ///< 17-19 path / interval of the last coupling (m/s)

@@ -101,7 +101,8 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
   }
   for (int d = 0; d < 3; ++d) {
     const double received = 0.5 * (first[d] + second[d]) - other[d];
-    // In set-up the force is applied for half a step, in place of the half step that the last one would have had.
+    // Set-up computes the forces of t^n anew, for the half kick that begins the next step. That half kick's impulse was
+    // counted at the last step already, with the force of then: only the difference is booked.
     impulse[d] += accumulate
                       ? received * dem_dt
                       : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] - 0.5 * s[kLateForce + d]);

@@ -42,7 +42,8 @@ class Window {
     std::vector<double> edge;    ///< the same, but no x lies below the first or above the last (not a number)
     std::vector<double> centre;  ///< hi - lo
     /// Uniform: centres lie at pair_origin + k / per_gap, k whole and not negative. The same origin on all ranks, so
-    /// that weights are. Pairs of the window begin at first_pair to last_pair; its last centre is end_pair.
+    /// that weights are the same to the last bit. Pairs of the window begin at first_pair to last_pair; its last centre
+    /// is end_pair.
     double pair_origin = 0, per_gap = 0, first_pair = 0, last_pair = 0, end_pair = 0;
     double domain_lo = 0, domain_hi = 0;
     double x_lo = 0, x_hi = 0;  ///< where this rank's particles may be

@@ -35,7 +35,7 @@ struct Survey {
 struct IntervalEnd {
   double interval;       ///< D (s)
   double repeated;       ///< time in which the force was that of the step before, and is not in the impulses yet (s)
-  double extrapolation;  ///< what the velocity that continuity sees has of the change of the mean velocity
+  double extrapolation;  ///< weight of the extrapolation of a particle's mean velocity to the interval's end
   const Vec3* change;    ///< u_read - u_seen of `who` (m/s); null: they are the same
 };
 

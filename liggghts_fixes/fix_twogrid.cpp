@@ -613,7 +613,7 @@ void FixTwogrid::adjust_steps() {
   accuracy_.adjust(r.step_error, r.coupling_error, r.max_drag_number);
   script_.settings.every = accuracy_.every();
   fluid_->limit_courant_number(accuracy_.cfl());
-  // Inlets that follow a variable are asked again at the next coupling, which is perhaps another step than was thought.
+  // Inlets that follow a variable are evaluated at the next coupling: LIGGGHTS must be told the step, which may be new.
   if (started_) modify->addstep_compute(update->ntimestep + script_.settings.every);
 }
 

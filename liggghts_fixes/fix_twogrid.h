@@ -12,7 +12,7 @@
 //
 // f_ID is a per-atom array: drag 1-3 (N), pressure gradient force 4-6 (N), eps 7, fluid velocity 8-10 (m/s); it is the
 // first ten columns of the particles' state, which fix property/atom "ID_state" holds ("ID_step": what each step
-// needs). f_ID[1..10] as a vector: see coupling.h, Report.
+// needs). f_ID[1..15] as a vector: compute_vector().
 #pragma once
 
 #include <fix.h>

@@ -18,7 +18,8 @@ struct WallFacts {
   std::array<double, 6> bounds{};  ///< meshes: xlo xhi ylo yhi zlo zhi (m)
 };
 
-/// Skins between these cost the same, others up to twice as much (mean diameters; measured: tests/bench/README.md).
+/// Neighbour skins in this range cost the same, others up to twice as much (mean diameters; measured:
+/// tests/bench/README.md).
 constexpr double kLeastSkin = 0.25, kMostSkin = 0.7;
 
 /// What LIGGGHTS knows about the scene; the same on all ranks.

@@ -15,8 +15,8 @@ namespace twogrid {
 ///
 /// Puts our own code, of the same results to the last bit, in the place of LIGGGHTS' for contacts of particles
 /// (pair_style gran model hooke/stiffness tangential history), plane walls of that law, nve/sphere, gravity and
-/// neighbour lists. kernel: "auto", "AVX2", "AVX-512", or "stock", which leaves LIGGGHTS as it is. Throws
-/// std::invalid_argument for a kernel that the processor can't run. Call once, before the script is read. Not
+/// neighbour lists. kernel: "auto", "plain", "AVX2", "AVX-512", or "stock", which leaves LIGGGHTS as it is.
+/// Throws std::invalid_argument for a kernel that the processor can't run. Call once, before the script is read. Not
 /// collective.
 void register_styles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel);
 

@@ -1,9 +1,11 @@
 // What a run leaves behind: one HDF5 file with its record, the two grids, the frames and the time means, and beside it
 // XDMF files that open it in ParaView. Written by all ranks together; complete on disk after every frame.
 //
-//   /record                 attributes: version, commit, versions of libraries, ranks, date, settings; input_text
-//   (script) /grid/x,y,z             nodes of the fine grid (m); /particle_grid/x,y,z those of the particle grid,
-//   attribute ratio /fluid/NNNNNN/          frame NNNNNN (000000, 000001, ...):
+//   /record                 attributes: version, commit, versions of libraries, ranks, date, settings; input_text:
+//                           the script
+//   /grid/x,y,z             nodes of the fine grid (m)
+//   /particle_grid/x,y,z    nodes of the particle grid (m); attribute ratio
+//   /fluid/NNNNNN/          frame NNNNNN (000000, 000001, ...):
 //     time, step            s; DEM step
 //     u    [nz][ny][nx][3]  interstitial velocity at cell centres (m/s), mean of the cell's two faces
 //     p, eps [nz][ny][nx]   dynamic pressure (Pa), void fraction

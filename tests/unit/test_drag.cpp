@@ -2,9 +2,8 @@
 //
 // Where the figures come from:
 //  - published numbers: a pressure drop by Ergun's equation from another library's documentation; the standard drag
-//  curve;
-//    the indices of Richardson & Zaki and of Garside & Al-Dibouni; the agreement of three correlations of simulated
-//    random arrays. They pin down conventions (superficial or not, radius or diameter, total force or drag).
+//    curve; the indices of Richardson & Zaki and of Garside & Al-Dibouni; the agreement of three correlations of
+//    simulated random arrays. They pin down conventions (superficial or not, radius or diameter, total force or drag).
 //  - no printed table of F(eps, Re) could be found for Di Felice, Koch & Hill, Beetstra, Tenneti or Syamlal & O'Brien.
 //    The table below is therefore an independent evaluation: each publication's formula in its own symbols (a pressure
 //    drop, a C_D, a total force over 6 pi mu a U, a beta) for d = 2 mm, mu = 1.8e-5 Pa s, rho_f = 1.2 kg/m3, as a force
