@@ -118,11 +118,11 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
   pressure_solver_ =
       std::make_unique<PressureSolver>(comm_, grid_, layout_, settings_.pressure_rtol, boundaries_.halo());
 
-  for (auto* f : {&u_, &u_old_, &u_tilde_, &u_next_, &eps_f_}) reset(*f, local_);
-  for (auto& level : eps_) level.reset(local_, 1.0);
-  for (auto* c : {&p_, &phi_}) c->reset(local_);
+  for (auto* f : {&state_.u, &state_.u_old, &u_tilde_, &u_next_, &state_.eps_f}) reset(*f, local_);
+  for (auto& level : state_.eps) level.reset(local_, 1.0);
+  for (auto* c : {&state_.p, &state_.phi}) c->reset(local_);
   imbalance_.reset(own_);
-  imposed_ = settings_.pressure_gradient;
+  state_.imposed = settings_.pressure_gradient;
 }
 
 FluidSolver::~FluidSolver() = default;
@@ -134,9 +134,9 @@ void FluidSolver::fill(FaceField<FineGrid>& u, bool ghosts) const {
 
 /// eps on the faces from that of the cells, halo filled.
 void FluidSolver::set_face_eps() {
-  momentum_.face_mean(eps_[0], eps_f_);
-  boundaries_.apply_face_eps(eps_f_);
-  face_halo_.bring(eps_f_);
+  momentum_.face_mean(state_.eps[0], state_.eps_f);
+  boundaries_.apply_face_eps(state_.eps_f);
+  face_halo_.bring(state_.eps_f);
 }
 
 void FluidSolver::fill(CellField<FineGrid>& c) const {
@@ -144,21 +144,21 @@ void FluidSolver::fill(CellField<FineGrid>& c) const {
 }
 
 void FluidSolver::start(const CellField<FineGrid>& eps) {
-  time_ = 0;
-  dt_previous_ = 0;
-  copy(eps, eps_[0], local_);
+  state_.time = 0;
+  state_.dt_previous = 0;
+  copy(eps, state_.eps[0], local_);
   set_face_eps();
-  eps_[1] = eps_[0];
-  p_.fill(0);
-  phi_.fill(0);
-  for (int d = 0; d < 3; ++d) u_[d].fill(boundaries_.component_solved(d) ? settings_.initial_velocity[d] : 0.0);
+  state_.eps[1] = state_.eps[0];
+  state_.p.fill(0);
+  state_.phi.fill(0);
+  for (int d = 0; d < 3; ++d) state_.u[d].fill(boundaries_.component_solved(d) ? settings_.initial_velocity[d] : 0.0);
   if (settings_.initial_vortex != 0) add_vortex();
   boundaries_.update();
-  fill(u_);
+  fill(state_.u);
   make_continuous();
-  u_old_ = u_;
-  one_step_ = true;
-  for (auto& g : mean_grad_p_) g.fill(0);
+  state_.u_old = state_.u;
+  state_.one_step = true;
+  for (auto& g : state_.mean_grad_p) g.fill(0);
 }
 
 /// Adds u = U sin(kx x) cos(ky y), v = -U kx/ky cos(kx x) sin(ky y), one wavelength over the domain's x and y.
@@ -167,37 +167,37 @@ void FluidSolver::add_vortex() {
   const double kx = 2 * std::acos(-1.0) / x.length(), ky = 2 * std::acos(-1.0) / y.length(),
                U = settings_.initial_vortex;
   for_each(faces_[0], [&](int i, int j, int k) {
-    u_[0](i, j, k) += U * std::sin(kx * (x.node(i) - x.lo())) * std::cos(ky * (y.centre(j) - y.lo()));
+    state_.u[0](i, j, k) += U * std::sin(kx * (x.node(i) - x.lo())) * std::cos(ky * (y.centre(j) - y.lo()));
   });
   for_each(faces_[1], [&](int i, int j, int k) {
-    u_[1](i, j, k) -= U * kx / ky * std::cos(kx * (x.centre(i) - x.lo())) * std::sin(ky * (y.node(j) - y.lo()));
+    state_.u[1](i, j, k) -= U * kx / ky * std::cos(kx * (x.centre(i) - x.lo())) * std::sin(ky * (y.node(j) - y.lo()));
   });
 }
 
 /// Projects the initial u onto one that satisfies continuity with eps at rest: a run that starts with its inlets open
 /// then starts without the infinite pressure of an impulsive start.
 void FluidSolver::make_continuous() {
-  for (int d = 0; d < 3; ++d) u_next_[d] = u_[d];
+  for (int d = 0; d < 3; ++d) u_next_[d] = state_.u[d];
   inertia_per_eps_ = settings_.density;
   FluidReport report;
   project(Step{1, 0, 1, -1, 0}, Interphase{}, report);
   correct();
-  for (int d = 0; d < 3; ++d) u_[d].swap(u_next_[d]);
+  for (int d = 0; d < 3; ++d) state_.u[d].swap(u_next_[d]);
 }
 
 void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const CellField<FineGrid>& p,
                             const CellField<FineGrid>& eps, double dt_previous, const FaceField<FineGrid>& u_previous,
                             const CellField<FineGrid>& eps_previous) {
-  time_ = time;
-  dt_previous_ = dt_previous;
+  state_.time = time;
+  state_.dt_previous = dt_previous;
   boundaries_.update();
-  for (int d = 0; d < 3; ++d) copy(u[d], u_[d], faces_[d]), copy(u_previous[d], u_old_[d], faces_[d]);
-  fill(u_);
-  fill(u_old_);
-  copy(p, p_, own_);
-  fill(p_);
-  copy(eps, eps_[0], local_);
-  copy(eps_previous, eps_[1], local_);
+  for (int d = 0; d < 3; ++d) copy(u[d], state_.u[d], faces_[d]), copy(u_previous[d], state_.u_old[d], faces_[d]);
+  fill(state_.u);
+  fill(state_.u_old);
+  copy(p, state_.p, own_);
+  fill(state_.p);
+  copy(eps, state_.eps[0], local_);
+  copy(eps_previous, state_.eps[1], local_);
   set_face_eps();
 }
 
@@ -219,7 +219,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
       const double cfl = courant_rate(u_next_) * step.dt;
       if (!std::isfinite(cfl)) {
         std::ostringstream text;
-        text << "the fluid's velocity is not finite at t = " << time_ + step.dt << " s (fluid step " << step.dt
+        text << "the fluid's velocity is not finite at t = " << state_.time + step.dt << " s (fluid step " << step.dt
              << " s); wanted: finite values; lower 'cfl' (" << settings_.cfl << ") or 'every', or coarsen 'fine'";
         throw std::runtime_error(text.str());
       }
@@ -231,7 +231,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
       previous_level();
       const double left = interval - done;
       step = formula(left / std::ceil(left / (step.dt * std::min(0.75, kChosenCfl * settings_.cfl / cfl))));
-      idle_steps_ = 0;
+      state_.idle_steps = 0;
       refuse_steps_below(step.dt, interval);
     }
     accept(step, interval);
@@ -244,48 +244,37 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
 }
 
 void FluidSolver::begin_means() {
-  one_step_ = false;
-  for (auto& u : mean_u_) u.fill(0);
+  state_.one_step = false;
+  for (auto& u : state_.mean_u) u.fill(0);
   if (!keep_grad_p_) return;
-  if (mean_grad_p_[0].size() == 0) reset(mean_grad_p_, faces_around(own_, boundaries_.halo()));
-  for (auto& g : mean_grad_p_) g.fill(0);
+  if (state_.mean_grad_p[0].size() == 0) reset(state_.mean_grad_p, faces_around(own_, boundaries_.halo()));
+  for (auto& g : state_.mean_grad_p) g.fill(0);
 }
 
 FluidReport FluidSolver::advance_and_check(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
+  const bool kept = keep_grad_p_;
   keep_grad_p_ = true;
-  Saved begin = save();
+  FluidState begin = state_;
   FluidReport report = advance(interval, eps, exchange);
-  Saved end = save();
-  restore(std::move(begin));
+  FluidState end = std::move(state_);
+  state_ = std::move(begin);
   const double dt = settings_.dt;
   settings_.dt = 0.5 * interval / report.steps;
   advance(interval, eps, exchange);
   settings_.dt = dt;
   report.step_error = difference_from(end);
-  restore(std::move(end));
+  state_ = std::move(end);
+  keep_grad_p_ = kept;
+  if (!kept) state_.mean_grad_p = {};
   return report;
 }
 
-FluidSolver::Saved FluidSolver::save() const {
-  return {time_,   dt_previous_, velocity_scale_, imposed_, one_step_, rate_,     u_,  u_old_,
-          mean_u_, mean_grad_p_, eps_f_,          p_,       phi_,      response_, eps_};
-}
-
-void FluidSolver::restore(Saved&& s) {
-  time_ = s.time, dt_previous_ = s.dt_previous, velocity_scale_ = s.velocity_scale, imposed_ = s.imposed;
-  one_step_ = s.one_step, rate_ = s.rate;
-  u_ = std::move(s.u), u_old_ = std::move(s.u_old);
-  mean_u_ = std::move(s.mean_u), mean_grad_p_ = std::move(s.mean_grad_p);
-  p_ = std::move(s.p), phi_ = std::move(s.phi), response_ = std::move(s.response);
-  eps_ = std::move(s.eps), eps_f_ = std::move(s.eps_f);
-}
-
-double FluidSolver::difference_from(const Saved& other) const {
+double FluidSolver::difference_from(const FluidState& other) const {
   double sum[4] = {0, 0, 0, 0};  // (difference of eps u)^2, (eps u)^2; difference of grad p . grad p, (grad p)^2
   for (int d = 0; d < 3; ++d)
     for_each(faces_[d], [&](int i, int j, int k) {
       const double V = momentum_.volume(d, i, j, k);
-      const double u = flux(d, i, j, k), g = mean_grad_p_[d](i, j, k);
+      const double u = flux(d, i, j, k), g = state_.mean_grad_p[d](i, j, k);
       const double du = u - other.eps_f[d](i, j, k) * other.u[d](i, j, k), dg = g - other.mean_grad_p[d](i, j, k);
       sum[0] += V * du * du, sum[1] += V * u * u;
       sum[2] += V * dg * g, sum[3] += V * g * g;
@@ -297,7 +286,7 @@ double FluidSolver::difference_from(const Saved& other) const {
 FluidSolver::Step FluidSolver::formula(double dt) const {
   Step s;
   s.dt = dt;
-  s.r = dt_previous_ > 0 ? dt / dt_previous_ : 0;
+  s.r = state_.dt_previous > 0 ? dt / state_.dt_previous : 0;
   s.a0 = (1 + 2 * s.r) / (1 + s.r);
   s.a1 = -(1 + s.r);
   s.a2 = s.r * s.r / (1 + s.r);
@@ -306,10 +295,10 @@ FluidSolver::Step FluidSolver::formula(double dt) const {
 
 TWOGRID_VECTORISED void FluidSolver::courant_rows(const FaceField<FineGrid>& u, double& rate, double& finite) const {
   const int n = own_.size(0);
-  const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
+  const std::ptrdiff_t sy = state_.p.stride(1), sz = state_.p.stride(2);
   double* __restrict most = row_a_.data(), * __restrict sum = row_b_.data();
   std::fill_n(most, n, 0.0), std::fill_n(sum, n, 0.0);
-  for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
+  for_each_row(own_, state_.p, [&](const Int3& q, std::ptrdiff_t m) {
     const double* ix = &momentum_.axis(0).inverse_width_[q[0] - momentum_.axis(0).lo];
     const double iy = momentum_.axis(1).inverse_width_[q[1] - momentum_.axis(1).lo];
     const double iz = momentum_.axis(2).inverse_width_[q[2] - momentum_.axis(2).lo];
@@ -339,13 +328,14 @@ double FluidSolver::courant_rate(const FaceField<FineGrid>& u) const {
 /// a new step is chosen below the limit, kept as long as the limit allows it, and grows only after many steps that
 /// could have been longer.
 double FluidSolver::allowed_dt(double left, double interval) {
-  boundaries_.apply_normal(u_);
+  boundaries_.apply_normal(state_.u);
   double limit = settings_.dt > 0 ? settings_.dt : interval, chosen = limit;
   if (settings_.convection != Convection::kNone && settings_.dt == 0) {
-    const double rate = courant_rate(u_);
+    const double rate = courant_rate(state_.u);
     if (rate > 0)
       limit = std::min(limit, settings_.cfl / rate), chosen = std::min(chosen, kChosenCfl * settings_.cfl / rate);
-    if (dt_previous_ > 0) chosen = std::min(chosen, 2 * dt_previous_);  // BDF2 is zero-stable up to a ratio of 2.41
+    if (state_.dt_previous > 0)
+      chosen = std::min(chosen, 2 * state_.dt_previous);  // BDF2 is zero-stable up to a ratio of 2.41
   }
   // Extrapolated viscous terms: BDF2 is stable up to a step of 1/3 h^2/nu in one direction, 4/3 of it for div(tau).
   double widest = 0;
@@ -361,13 +351,13 @@ double FluidSolver::allowed_dt(double left, double interval) {
     limit = std::min(limit, viscous_limit), chosen = std::min(chosen, viscous_limit);
   refuse_steps_below(limit, interval);
   const double wanted = left / std::ceil(left / std::min(chosen, left) - 1e-9);
-  if (dt_previous_ > 0 && settings_.dt == 0 && dt_previous_ <= limit * (1 + 1e-9)) {
-    const double parts = std::round(interval / dt_previous_), steps = left / dt_previous_;
+  if (state_.dt_previous > 0 && settings_.dt == 0 && state_.dt_previous <= limit * (1 + 1e-9)) {
+    const double parts = std::round(interval / state_.dt_previous), steps = left / state_.dt_previous;
     const bool fits = steps > 0.5 && std::abs(steps - std::round(steps)) < 1e-6;
-    idle_steps_ = parts > 1 && chosen > 0.999 * interval / (parts - 1) ? idle_steps_ + 1 : 0;
-    if (fits && (idle_steps_ < kIdleSteps || wanted < dt_previous_)) return left / std::round(steps);
+    state_.idle_steps = parts > 1 && chosen > 0.999 * interval / (parts - 1) ? state_.idle_steps + 1 : 0;
+    if (fits && (state_.idle_steps < kIdleSteps || wanted < state_.dt_previous)) return left / std::round(steps);
   }
-  idle_steps_ = 0;
+  state_.idle_steps = 0;
   return wanted;
 }
 
@@ -387,23 +377,23 @@ void FluidSolver::refuse_steps_below(double limit, double interval) const {
 }
 
 void FluidSolver::next_level(const VoidFractionInTime& eps, double s, double interval) {
-  std::swap(eps_[1], eps_[2]);
-  std::swap(eps_[0], eps_[1]);
+  std::swap(state_.eps[1], state_.eps[2]);
+  std::swap(state_.eps[0], state_.eps[1]);
   if (eps.begin->box() == local_)
-    void_fraction_at(eps, s, interval, 0, eps_[0].size(), eps_[0].data());
+    void_fraction_at(eps, s, interval, 0, state_.eps[0].size(), state_.eps[0].data());
   else
     for (int k = local_.lo[2]; k < local_.hi[2]; ++k)
       for (int j = local_.lo[1]; j < local_.hi[1]; ++j)
         void_fraction_at(eps, s, interval, eps.begin->index(local_.lo[0], j, k), local_.size(0),
-                         eps_[0].data() + eps_[0].index(local_.lo[0], j, k));
+                         state_.eps[0].data() + state_.eps[0].index(local_.lo[0], j, k));
   set_face_eps();
 }
 
 /// What came or went changes eps at once, in the past levels too: no velocity follows from it.
 void FluidSolver::replace(const CellField<FineGrid>& now) {
   for_each(local_, [&](int i, int j, int k) {
-    const std::ptrdiff_t m = p_.index(i, j, k);
-    double &e0 = eps_[0].data()[m], &e1 = eps_[1].data()[m];
+    const std::ptrdiff_t m = state_.p.index(i, j, k);
+    double &e0 = state_.eps[0].data()[m], &e1 = state_.eps[1].data()[m];
     const double change = now(i, j, k) - e0;
     e0 = now(i, j, k);
     e1 = std::max(e1 + change, 0.5 * std::min(e1, e0));
@@ -412,13 +402,13 @@ void FluidSolver::replace(const CellField<FineGrid>& now) {
 }
 
 void FluidSolver::previous_level() {
-  std::swap(eps_[0], eps_[1]);
-  std::swap(eps_[1], eps_[2]);
+  std::swap(state_.eps[0], state_.eps[1]);
+  std::swap(state_.eps[1], state_.eps[2]);
 }
 
 void FluidSolver::extrapolate(const Step& step) {
   for (int d = 0; d < 3; ++d)
-    extrapolate_values(u_[d].size(), step.r, u_[d].data(), u_old_[d].data(), u_tilde_[d].data());
+    extrapolate_values(state_.u[d].size(), step.r, state_.u[d].data(), state_.u_old[d].data(), u_tilde_[d].data());
   boundaries_.apply(u_tilde_);
 }
 
@@ -441,8 +431,9 @@ void FluidSolver::measure_inlet_head() {
       const int d = direction(side);
       Int3 in{i, j, k};
       if (is_high(side)) --in[d];
-      inlet_head_ += momentum_.convected_through(d, in[0], in[1], in[2], rho, eps_f_, u_tilde_, settings_.convection) -
-                     rho * (eps_f_[d](i, j, k) * u_tilde_[d](i, j, k)) * u_tilde_[d](i, j, k) * grid_.area(d, i, j, k);
+      inlet_head_ +=
+          momentum_.convected_through(d, in[0], in[1], in[2], rho, state_.eps_f, u_tilde_, settings_.convection) -
+          rho * (state_.eps_f[d](i, j, k) * u_tilde_[d](i, j, k)) * u_tilde_[d](i, j, k) * grid_.area(d, i, j, k);
     });
   }
 }
@@ -457,16 +448,16 @@ inline void FluidSolver::inertia_row(const double* e, const double* beta, int n,
 /// On top of convection and viscosity in rhs: pressure, history, exchange; then u*. rhs may be u_next_ itself.
 template <int d>
 inline void FluidSolver::predict_component(const Step& step, const Interphase& exchange, FaceField<FineGrid>& rhs) {
-  const double rho = settings_.density, imposed = imposed_[d];
+  const double rho = settings_.density, imposed = state_.imposed[d];
   const double c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt;
-  const std::ptrdiff_t s = p_.stride(d);
+  const std::ptrdiff_t s = state_.p.stride(d);
   const int n = faces_[d].size(0);
   double* __restrict A = row_a_.data();
-  for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+  for_each_row(faces_[d], state_.p, [&](const Int3& x, std::ptrdiff_t m) {
     const RowMeasure<d> row(momentum_, x);
     const auto share = along_row<d>(momentum_.axis(d).above_share_, x[d] - momentum_.axis(d).lo);
-    const double *p = p_.data() + m, *now = u_[d].data() + m, *old = u_old_[d].data() + m;
-    const double *e1 = eps_[1].data() + m, *e2 = eps_[2].data() + m;
+    const double *p = state_.p.data() + m, *now = state_.u[d].data() + m, *old = state_.u_old[d].data() + m;
+    const double *e1 = state_.eps[1].data() + m, *e2 = state_.eps[2].data() + m;
     double *o = rhs[d].data() + m, *next = u_next_[d].data() + m;
     if (const double* chi = row_of(exchange.chi[d], x)) {
 #pragma GCC ivdep
@@ -480,7 +471,7 @@ inline void FluidSolver::predict_component(const Step& step, const Interphase& e
 #pragma GCC ivdep
       for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
     }
-    inertia_row(eps_f_[d].data() + m, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
+    inertia_row(state_.eps_f[d].data() + m, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
       const double V = row.volume(i);
@@ -507,11 +498,11 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
   if (implicit && inertia_[0].size() == 0) reset(rhs_, local_), reset(inertia_, local_);
   FaceField<FineGrid>& rhs = implicit ? rhs_ : u_next_;
   for (auto& c : rhs) c.fill(0);
-  momentum_.convect(rho, eps_f_, u_tilde_, settings_.convection, rhs);
+  momentum_.convect(rho, state_.eps_f, u_tilde_, settings_.convection, rhs);
   measure_inlet_head();
-  if (mu > 0 && !implicit_viscosity_) momentum_.viscous(mu, eps_[0], u_tilde_, rhs);
+  if (mu > 0 && !implicit_viscosity_) momentum_.viscous(mu, state_.eps[0], u_tilde_, rhs);
   boundaries_.set_outlet_pressure(u_tilde_, rho);
-  boundaries_.apply_pressure(p_);
+  boundaries_.apply_pressure(state_.p);
 
   const bool gap = compiled::kGapFriction && settings_.gap_friction;
   double friction = 0;  // of the walls of a one-cell gap, 12 mu/W^2
@@ -525,7 +516,7 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
   if (implicit) {
     if (!viscous_solver_)
       viscous_solver_ = std::make_unique<ViscousSolver>(comm_, boundaries_, momentum_, faces_, local_, face_halo_);
-    viscous_solver_->solve(mu, eps_[0], inertia_, rhs_, u_next_);
+    viscous_solver_->solve(mu, state_.eps[0], inertia_, rhs_, u_next_);
   }
 }
 
@@ -533,9 +524,9 @@ template <int d>
 inline void FluidSolver::conductance_component(const Interphase& exchange) {
   const int n = faces_[d].size(0);
   double* __restrict A = row_a_.data();
-  for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+  for_each_row(faces_[d], state_.p, [&](const Int3& x, std::ptrdiff_t m) {
     const RowMeasure<d> row(momentum_, x);
-    const double* e = eps_f_[d].data() + m;
+    const double* e = state_.eps_f[d].data() + m;
     double* __restrict g = conductance_[d].data() + m;
     inertia_row(e, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
     for (int i = 0; i < n; ++i) g[i] = e[i] / A[i] * row.area(i) * row.inverse_width[i];
@@ -566,18 +557,18 @@ void FluidSolver::set_conductance(const Interphase& exchange) {
 /// imbalance_: what is missing in continuity, sum of eps u* A + (d(eps)/dt - q) V, and its sum; scale: the largest
 /// |eps u*|.
 TWOGRID_VECTORISED void FluidSolver::missing_continuity(double& scale, double& sum) {
-  const Rate rate = rate_;
-  const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
+  const FluidState::Rate rate = state_.rate;
+  const std::ptrdiff_t sy = state_.p.stride(1), sz = state_.p.stride(2);
   const int n = own_.size(0);
   double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
   std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
-  for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
+  for_each_row(own_, state_.p, [&](const Int3& q, std::ptrdiff_t m) {
     const double* wx = &momentum_.axis(0).width_[q[0] - momentum_.axis(0).lo];
     const double wy = momentum_.axis(1).width(q[1]), wz = momentum_.axis(2).width(q[2]);
     double* __restrict b = imbalance_.data() + imbalance_.index(q[0], q[1], q[2]);
-    const double *ex = eps_f_[0].data() + m, *ey = eps_f_[1].data() + m, *ez = eps_f_[2].data() + m;
+    const double *ex = state_.eps_f[0].data() + m, *ey = state_.eps_f[1].data() + m, *ez = state_.eps_f[2].data() + m;
     const double *ux = u_next_[0].data() + m, *uy = u_next_[1].data() + m, *uz = u_next_[2].data() + m;
-    const double *e0 = eps_[0].data() + m, *e1 = eps_[1].data() + m, *e2 = eps_[2].data() + m;
+    const double *e0 = state_.eps[0].data() + m, *e1 = state_.eps[1].data() + m, *e2 = state_.eps[2].data() + m;
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
       const double x0 = ex[i] * ux[i], x1 = ex[i + 1] * ux[i + 1];
@@ -600,17 +591,17 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
 
   set_conductance(exchange);
   double scale = 0, sum = 0;
-  rate_ = {step.a0 / step.dt, step.a1 / step.dt, step.a2 / step.dt, 0};
+  state_.rate = {step.a0 / step.dt, step.a1 / step.dt, step.a2 / step.dt, 0};
   missing_continuity(scale, sum);
   double total_volume = 1;
   for (int d = 0; d < 3; ++d) total_volume *= grid_.axis[d].length();
   double whole = sum;
   Reduction::over_ranks(comm_, {&scale}, {&whole});
-  velocity_scale_ = scale;
+  state_.velocity_scale = scale;
   if (!boundaries_.open()) {
     // A closed or periodic domain: what is left over is the round-off of the solid volume's conservation.
-    rate_.excess = whole / total_volume;
-    for_each(own_, [&](int i, int j, int k) { imbalance_(i, j, k) -= rate_.excess * grid_.volume(i, j, k); });
+    state_.rate.excess = whole / total_volume;
+    for_each(own_, [&](int i, int j, int k) { imbalance_(i, j, k) -= state_.rate.excess * grid_.volume(i, j, k); });
   }
   if (implicit_viscosity_) divergence_ = imbalance_;
   pressure_solver_->set_operator(conductance_, !boundaries_.open());
@@ -621,8 +612,8 @@ void FluidSolver::project(const Step& step, const Interphase& exchange, FluidRep
   const double rounding = 4e-16 * (6 * scale / h + step.a0 / step.dt);
   const double atol = std::max(pressure_solver_->rtol() * scale / h, rounding) * cell_volume * std::sqrt(cells);
   // First guess: the pressure goes on changing as in the last step.
-  for (std::size_t m = 0; m < phi_.size(); ++m) phi_.data()[m] *= step.r;
-  report.pressure_iterations += pressure_solver_->solve(imbalance_, phi_, atol);
+  for (std::size_t m = 0; m < state_.phi.size(); ++m) state_.phi.data()[m] *= step.r;
+  report.pressure_iterations += pressure_solver_->solve(imbalance_, state_.phi, atol);
   if (boundaries_.open()) balance_outlets(sum);
 }
 
@@ -635,24 +626,24 @@ void FluidSolver::balance_outlets(double sum) {
     boundaries_.for_each_face(side, [&](int, int i, int j, int k) {
       const int d = direction(side);
       const double g = conductance_[d](i, j, k);
-      const std::ptrdiff_t cell = phi_.index(i, j, k) - (side % 2 == 1 ? phi_.stride(d) : 0);
-      flow[1] += g * phi_.data()[cell];
+      const std::ptrdiff_t cell = state_.phi.index(i, j, k) - (side % 2 == 1 ? state_.phi.stride(d) : 0);
+      flow[1] += g * state_.phi.data()[cell];
       flow[2] += g;
     });
   MPI_Allreduce(MPI_IN_PLACE, flow, 3, MPI_DOUBLE, MPI_SUM, comm_);
   if (!(flow[2] > 0)) return;
   const double rise = -(flow[0] + flow[1]) / flow[2];
-  for_each(own_, [&](int i, int j, int k) { phi_(i, j, k) += rise; });
+  for_each(own_, [&](int i, int j, int k) { state_.phi(i, j, k) += rise; });
 }
 
 /// u^{n+1} = u* - s/A grad phi, with s/A from the conductance: g = eps s/A area/distance.
 template <int d>
 inline void FluidSolver::correct_component() {
-  const std::ptrdiff_t s = p_.stride(d);
+  const std::ptrdiff_t s = state_.p.stride(d);
   const int n = faces_[d].size(0);
-  for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+  for_each_row(faces_[d], state_.p, [&](const Int3& x, std::ptrdiff_t m) {
     const RowMeasure<d> row(momentum_, x);
-    const double *g = conductance_[d].data() + m, *e = eps_f_[d].data() + m, *f = phi_.data() + m;
+    const double *g = conductance_[d].data() + m, *e = state_.eps_f[d].data() + m, *f = state_.phi.data() + m;
     double* __restrict u = u_next_[d].data() + m;
     for (int i = 0; i < n; ++i) u[i] -= g[i] / (e[i] * row.area(i)) * (f[i] - f[i - s]);
   });
@@ -665,9 +656,9 @@ TWOGRID_VECTORISED void FluidSolver::correct_rows() {
 }
 
 void FluidSolver::correct() {
-  fill(phi_);
+  fill(state_.phi);
   // An outlet's conductance is that of half the distance: its ghost is zero at the face itself.
-  boundaries_.apply_correction(phi_);
+  boundaries_.apply_correction(state_.phi);
   correct_rows();
   fill(u_next_);
 }
@@ -675,24 +666,24 @@ void FluidSolver::correct() {
 /// After everything that the fluid felt (p^n + phi) has been measured.
 void FluidSolver::rotate_pressure() {
   for_each(own_, [&](int i, int j, int k) {
-    p_(i, j, k) -= 4.0 / 3.0 * settings_.viscosity * divergence_(i, j, k) / grid_.volume(i, j, k);
+    state_.p(i, j, k) -= 4.0 / 3.0 * settings_.viscosity * divergence_(i, j, k) / grid_.volume(i, j, k);
   });
-  fill(p_);
-  boundaries_.apply_pressure(p_);
+  fill(state_.p);
+  boundaries_.apply_pressure(state_.p);
 }
 
 void FluidSolver::hold_flow_rate(const Interphase& exchange) {
   for (int d = 0; d < 3; ++d) {
     if (!settings_.flow_rate_set[d]) continue;
     // Potential that answers a unit mean gradient in d: div(g (grad chi + e_d)) = 0.
-    if (response_.size() == 0) response_.reset(local_), response_rhs_.reset(own_);
-    const std::ptrdiff_t s = p_.stride(d);
+    if (state_.response.size() == 0) state_.response.reset(local_), response_rhs_.reset(own_);
+    const std::ptrdiff_t s = state_.p.stride(d);
     const FaceComponent<FineGrid>& g = conductance_[d];  // the pressure solver has filled its halo
     double total_volume = 1;
     for (int a = 0; a < 3; ++a) total_volume *= grid_.axis[a].length();
     double largest = 0;
     for_each(own_, [&](int i, int j, int k) {
-      const std::ptrdiff_t m = p_.index(i, j, k);
+      const std::ptrdiff_t m = state_.p.index(i, j, k);
       const Int3 x{i, j, k};
       largest = std::max(largest, g.data()[m] * momentum_.axis(d).face_width(x[d]));
       response_rhs_(i, j, k) = -(g.data()[m + s] * momentum_.axis(d).face_width(x[d] + 1) -
@@ -702,60 +693,61 @@ void FluidSolver::hold_flow_rate(const Interphase& exchange) {
     MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
     const double cells = double(grid_.n()[0]) * grid_.n()[1] * grid_.n()[2];
     const double target = std::max(pressure_solver_->rtol(), 4e-15) * largest * std::sqrt(cells);
-    pressure_solver_->solve(response_rhs_, response_, target);
-    fill(response_);
-    boundaries_.apply_correction(response_);
+    pressure_solver_->solve(response_rhs_, state_.response, target);
+    fill(state_.response);
+    boundaries_.apply_correction(state_.response);
     // Mean flux now, and its answer to a unit gradient.
     std::array<double, 2> mean{0, 0};
     for_each(faces_[d], [&](int i, int j, int k) {
-      const std::ptrdiff_t m = p_.index(i, j, k);
+      const std::ptrdiff_t m = state_.p.index(i, j, k);
       const Int3 x{i, j, k};
       const double w = momentum_.axis(d).face_width(x[d]), A = grid_.area(d, i, j, k);
-      const double answer = g.data()[m] * (w + response_.data()[m] - response_.data()[m - s]);  // m3/s per Pa/m
-      mean[0] += eps_f_[d].data()[m] * u_next_[d].data()[m] * A * w;
+      const double answer =
+          g.data()[m] * (w + state_.response.data()[m] - state_.response.data()[m - s]);  // m3/s per Pa/m
+      mean[0] += state_.eps_f[d].data()[m] * u_next_[d].data()[m] * A * w;
       mean[1] += answer * w;
     });
     MPI_Allreduce(MPI_IN_PLACE, mean.data(), 2, MPI_DOUBLE, MPI_SUM, comm_);
     const double wanted = settings_.flow_rate[d] - exchange.particle_flux[d];
     const double change = (mean[0] / total_volume - wanted) / (mean[1] / total_volume);
-    imposed_[d] += change;
+    state_.imposed[d] += change;
     for (int c = 0; c < 3; ++c) {
-      const std::ptrdiff_t sc = p_.stride(c);
+      const std::ptrdiff_t sc = state_.p.stride(c);
       for_each(faces_[c], [&](int i, int j, int k) {
-        const std::ptrdiff_t m = p_.index(i, j, k);
+        const std::ptrdiff_t m = state_.p.index(i, j, k);
         const Int3 x{i, j, k};
-        const double drop =
-            response_.data()[m] - response_.data()[m - sc] + (c == d ? momentum_.axis(d).face_width(x[d]) : 0.0);
+        const double drop = state_.response.data()[m] - state_.response.data()[m - sc] +
+                            (c == d ? momentum_.axis(d).face_width(x[d]) : 0.0);
         u_next_[c].data()[m] -=
-            change * conductance_[c].data()[m] / (eps_f_[c].data()[m] * grid_.area(c, i, j, k)) * drop;
+            change * conductance_[c].data()[m] / (state_.eps_f[c].data()[m] * grid_.area(c, i, j, k)) * drop;
       });
     }
-    for_each(own_, [&](int i, int j, int k) { phi_(i, j, k) += change * response_(i, j, k); });
+    for_each(own_, [&](int i, int j, int k) { state_.phi(i, j, k) += change * state_.response(i, j, k); });
     fill(u_next_);
   }
 }
 
 template <int d>
 inline void FluidSolver::add_gradient(double share) {
-  const std::ptrdiff_t s = p_.stride(d);
+  const std::ptrdiff_t s = state_.p.stride(d);
   const int n = faces_[d].size(0);
-  const double imposed = imposed_[d];
-  for_each_row(faces_[d], p_, [&](const Int3& x, std::ptrdiff_t m) {
+  const double imposed = state_.imposed[d];
+  for_each_row(faces_[d], state_.p, [&](const Int3& x, std::ptrdiff_t m) {
     const RowMeasure<d> row(momentum_, x);
-    const double* p = p_.data() + m;
-    double* __restrict g = mean_grad_p_[d].data() + mean_grad_p_[d].index(x[0], x[1], x[2]);
+    const double* p = state_.p.data() + m;
+    double* __restrict g = state_.mean_grad_p[d].data() + state_.mean_grad_p[d].index(x[0], x[1], x[2]);
     for (int i = 0; i < n; ++i) g[i] += share * ((p[i] - p[i - s]) * row.inverse_width[i] + imposed);
   });
 }
 
 /// The new state's share in the interval's means.
 TWOGRID_VECTORISED void FluidSolver::add_to_means(double share) {
-  if (!one_step_)
+  if (!state_.one_step)
     for (int d = 0; d < 3; ++d) {
-      const int n = mean_u_[d].box().size(0);
-      for_each_row(mean_u_[d].box(), mean_u_[d], [&](const Int3& x, std::ptrdiff_t m) {
-        const double* u = u_[d].data() + u_[d].index(x[0], x[1], x[2]);
-        double* __restrict mean = mean_u_[d].data() + m;
+      const int n = state_.mean_u[d].box().size(0);
+      for_each_row(state_.mean_u[d].box(), state_.mean_u[d], [&](const Int3& x, std::ptrdiff_t m) {
+        const double* u = state_.u[d].data() + state_.u[d].index(x[0], x[1], x[2]);
+        double* __restrict mean = state_.mean_u[d].data() + m;
         for (int i = 0; i < n; ++i) mean[i] += share * u[i];
       });
     }
@@ -766,33 +758,33 @@ TWOGRID_VECTORISED void FluidSolver::add_to_means(double share) {
 }
 
 void FluidSolver::accept(const Step& step, double interval) {
-  for_each(own_, [&](int i, int j, int k) { p_(i, j, k) += phi_(i, j, k); });
-  for (int d = 0; d < 3; ++d) u_old_[d].swap(u_[d]), u_[d].swap(u_next_[d]);
-  fill(p_);
-  boundaries_.apply_pressure(p_);
+  for_each(own_, [&](int i, int j, int k) { state_.p(i, j, k) += state_.phi(i, j, k); });
+  for (int d = 0; d < 3; ++d) state_.u_old[d].swap(state_.u[d]), state_.u[d].swap(u_next_[d]);
+  fill(state_.p);
+  boundaries_.apply_pressure(state_.p);
   const double share = step.dt / interval;
-  one_step_ = share == 1;
-  if (!one_step_ && mean_u_[0].size() == 0) reset(mean_u_, faces_around(own_, boundaries_.halo()));
+  state_.one_step = share == 1;
+  if (!state_.one_step && state_.mean_u[0].size() == 0) reset(state_.mean_u, faces_around(own_, boundaries_.halo()));
   add_to_means(share);
-  time_ += step.dt;
-  dt_previous_ = step.dt;
+  state_.time += step.dt;
+  state_.dt_previous = step.dt;
 }
 
 /// worst: largest |d(eps)/dt - q + div(eps u)| h; displaced: -integral of d(eps)/dt - q.
 TWOGRID_VECTORISED void FluidSolver::largest_imbalance(double& worst, double& displaced) const {
-  const Rate rate = rate_;
-  const std::ptrdiff_t sy = p_.stride(1), sz = p_.stride(2);
+  const FluidState::Rate rate = state_.rate;
+  const std::ptrdiff_t sy = state_.p.stride(1), sz = state_.p.stride(2);
   const int n = own_.size(0);
   double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
   std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
   // h = cbrt(wx wy wz) of a cell: the factor along x is applied once, at the end.
-  for_each_row(own_, p_, [&](const Int3& q, std::ptrdiff_t m) {
+  for_each_row(own_, state_.p, [&](const Int3& q, std::ptrdiff_t m) {
     const double* ix = &momentum_.axis(0).inverse_width_[q[0] - momentum_.axis(0).lo];
     const double wy = momentum_.axis(1).width(q[1]), wz = momentum_.axis(2).width(q[2]);
     const double iy = 1 / wy, iz = 1 / wz, area = wy * wz, h = std::cbrt(area);
-    const double *ex = eps_f_[0].data() + m, *ey = eps_f_[1].data() + m, *ez = eps_f_[2].data() + m;
-    const double *ux = u_[0].data() + m, *uy = u_[1].data() + m, *uz = u_[2].data() + m;
-    const double *e0 = eps_[0].data() + m, *e1 = eps_[1].data() + m, *e2 = eps_[2].data() + m;
+    const double *ex = state_.eps_f[0].data() + m, *ey = state_.eps_f[1].data() + m, *ez = state_.eps_f[2].data() + m;
+    const double *ux = state_.u[0].data() + m, *uy = state_.u[1].data() + m, *uz = state_.u[2].data() + m;
+    const double *e0 = state_.eps[0].data() + m, *e1 = state_.eps[1].data() + m, *e2 = state_.eps[2].data() + m;
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
       const double dilation = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i] - rate.excess;
@@ -825,11 +817,11 @@ void FluidSolver::measure(const Step& step, double share, FluidReport& report) {
       if (is_high(side)) --in[d];
       const BoundaryKind kind = boundaries_.kind(side, i, j, k);
       sum[flow > 0 ? 0 : 1] += std::abs(flow);
-      if (kind == BoundaryKind::kInlet) sum[3] += p_(in[0], in[1], in[2]) * A, sum[4] += A;
+      if (kind == BoundaryKind::kInlet) sum[3] += state_.p(in[0], in[1], in[2]) * A, sum[4] += A;
       if (kind == BoundaryKind::kPressure) {
         Int3 out = in;
         out[d] += is_high(side) ? 1 : -1;
-        sum[5] += 0.5 * (p_(in[0], in[1], in[2]) + p_(out[0], out[1], out[2])) * A, sum[6] += A;
+        sum[5] += 0.5 * (state_.p(in[0], in[1], in[2]) + state_.p(out[0], out[1], out[2])) * A, sum[6] += A;
       }
     });
   }
@@ -837,8 +829,8 @@ void FluidSolver::measure(const Step& step, double share, FluidReport& report) {
   // Velocities no larger than what the rounding of d(eps)/dt makes of a fluid at rest are no scale for an error.
   double h = 1;
   for (const Axis& axis : grid_.axis) h *= axis.length() / axis.n();
-  const double rounding = 1e-13 * std::abs(rate_.b0) * std::cbrt(h);
-  report.divergence_error = velocity_scale_ > rounding ? worst / velocity_scale_ : 0;
+  const double rounding = 1e-13 * std::abs(state_.rate.b0) * std::cbrt(h);
+  report.divergence_error = state_.velocity_scale > rounding ? worst / state_.velocity_scale : 0;
   report.inflow = sum[0], report.outflow = sum[1], report.displaced = sum[2];
   report.pressure_drop += share * ((sum[4] > 0 ? sum[3] / sum[4] : 0) - (sum[6] > 0 ? sum[5] / sum[6] : 0));
 }
@@ -848,7 +840,7 @@ Vec3 FluidSolver::total_momentum() const {
   for (int d = 0; d < 3; ++d)
     for_each(faces_[d], [&](int i, int j, int k) {
       if (boundaries_.state(d)(i, j, k) == FaceState::kSolved)
-        sum[d] += settings_.density * eps_f_[d](i, j, k) * u_[d](i, j, k) * momentum_.volume(d, i, j, k);
+        sum[d] += settings_.density * state_.eps_f[d](i, j, k) * state_.u[d](i, j, k) * momentum_.volume(d, i, j, k);
     });
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, comm_);
   return sum;
@@ -860,7 +852,8 @@ Vec3 FluidSolver::pending_momentum() const {
     for_each(faces_[d], [&](int i, int j, int k) {
       if (boundaries_.state(d)(i, j, k) == FaceState::kSolved)
         sum[d] += 0.5 * settings_.density * momentum_.volume(d, i, j, k) *
-                  (eps_f_[d](i, j, k) * u_[d](i, j, k) - momentum_.face_mean(eps_[1], d, i, j, k) * u_old_[d](i, j, k));
+                  (state_.eps_f[d](i, j, k) * state_.u[d](i, j, k) -
+                   momentum_.face_mean(state_.eps[1], d, i, j, k) * state_.u_old[d](i, j, k));
     });
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, comm_);
   return sum;

@@ -26,6 +26,7 @@
 #include "boundary.h"
 #include "fluid.h"
 #include "fluid_settings.h"
+#include "fluid_state.h"
 #include "momentum.h"
 
 namespace twogrid {
@@ -44,16 +45,16 @@ class FluidSolver : public Fluid {
   double density() const override { return settings_.density; }
   double viscosity() const override { return settings_.viscosity; }
   const Array3<FaceState>& face_state(int d) const override { return boundaries_.state(d); }
-  const FaceField<FineGrid>& velocity() const override { return u_; }
-  const FaceField<FineGrid>& mean_velocity() const override { return one_step_ ? u_ : mean_u_; }
-  const FaceField<FineGrid>& mean_pressure_gradient() const override { return mean_grad_p_; }
+  const FaceField<FineGrid>& velocity() const override { return state_.u; }
+  const FaceField<FineGrid>& mean_velocity() const override { return state_.one_step ? state_.u : state_.mean_u; }
+  const FaceField<FineGrid>& mean_pressure_gradient() const override { return state_.mean_grad_p; }
   void keep_pressure_gradient() override { keep_grad_p_ = true; }
-  const CellField<FineGrid>& pressure() const override { return p_; }
-  const CellField<FineGrid>& void_fraction() const override { return eps_[0]; }
-  double time() const override { return time_; }
+  const CellField<FineGrid>& pressure() const override { return state_.p; }
+  const CellField<FineGrid>& void_fraction() const override { return state_.eps[0]; }
+  double time() const override { return state_.time; }
   bool knows_last_step() const override { return true; }
-  double flux(int d, int i, int j, int k) const override { return eps_f_[d](i, j, k) * u_[d](i, j, k); }
-  double dilation(int i, int j, int k) const override { return rate_.at(eps_, p_.index(i, j, k)); }
+  double flux(int d, int i, int j, int k) const override { return state_.eps_f[d](i, j, k) * state_.u[d](i, j, k); }
+  double dilation(int i, int j, int k) const override { return state_.rate.at(state_.eps, state_.p.index(i, j, k)); }
 
   void start(const CellField<FineGrid>& eps) override;
   FluidReport advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) override;
@@ -67,6 +68,7 @@ class FluidSolver : public Fluid {
 
   /// Settings that may change between runs (inlet values, tolerances); the grid and the kinds of boundary may not.
   FluidSettings& settings() { return settings_; }
+  const FluidState& state() const { return state_; }
   const Boundaries& boundaries() const { return boundaries_; }
   const Momentum& momentum() const { return momentum_; }
 
@@ -86,27 +88,7 @@ class FluidSolver : public Fluid {
   struct Step {
     double dt, r, a0, a1, a2;
   };
-  using Levels = std::array<CellField<FineGrid>, 3>;
-  /// d(eps)/dt - q of a step from the levels of eps.
-  struct Rate {
-    double b0 = 0, b1 = 0, b2 = 0, excess = 0;  // 1/s; excess: q of a closed domain
-    double at(const Levels& eps, std::ptrdiff_t m) const {
-      return b0 * eps[0].data()[m] + b1 * eps[1].data()[m] + b2 * eps[2].data()[m] - excess;
-    }
-  };
-  /// All that one interval hands to the next, and what others read after it.
-  struct Saved {
-    double time, dt_previous, velocity_scale;
-    Vec3 imposed;
-    bool one_step;
-    Rate rate;
-    FaceField<FineGrid> u, u_old, mean_u, mean_grad_p, eps_f;
-    CellField<FineGrid> p, phi, response;
-    Levels eps;
-  };
-  Saved save() const;
-  void restore(Saved&& saved);
-  double difference_from(const Saved& other) const;
+  double difference_from(const FluidState& other) const;
   Step formula(double dt) const;
   void add_vortex();
   void make_continuous();
@@ -164,37 +146,26 @@ class FluidSolver : public Fluid {
   std::unique_ptr<PressureSolver> pressure_solver_;
   std::unique_ptr<ViscousSolver> viscous_solver_;  // made when first needed
 
-  // State: what a checkpoint must hold.
-  double time_ = 0, dt_previous_ = 0;  // s; 0: no history
-  FaceField<FineGrid> u_, u_old_;      // u^n, u^{n-1} (m/s)
-  CellField<FineGrid> p_;              // dynamic pressure (Pa)
-  Levels eps_;                         // eps^n (after a step: the newest), eps^{n-1}, spare
-  Vec3 imposed_{0, 0, 0};              // G (Pa/m)
-  int idle_steps_ = 0;                 // steps in a row that could have been longer
+  FluidState state_;
 
   // Work. Fields that are never needed at the same time share memory. Doubles a cell, H: on own cells and the halo, else
   // on own cells:
-  //   H  u_ 3, u_old_ 3, u_next_ 3, u_tilde_ 3, eps_f_ 3, eps_ 3, p_ 1, phi_ 1: together 20, and 3 bytes of face states
+  //   H  u 3, u_old 3, u_next_ 3, u_tilde_ 3, eps_f 3, eps 3, p 1, phi 1: together 20, and 3 bytes of face states
   //      imbalance_ 1; pressure solver: solution 1, conjugate gradients 3; with it 36 bytes a cell of each multigrid
   //      level and its halo of one (single precision; all levels: 1.4 to 1.7 times the finest)
-  //      only when asked for: mean_u_ 3 (intervals of several steps), mean_grad_p_ 3 (formulation A, accuracy)
+  //      only when asked for: mean_u 3 (intervals of several steps), mean_grad_p 3 (formulation A, accuracy)
   //   H  in the coupling: VoidHistory 4; formulation A: Residual 3
   //      in the coupling: source 3 where complete_drag() is at work; else values of the particle grid's cells only
-  FaceField<FineGrid> eps_f_;                    // eps^n on faces
   FaceField<FineGrid> u_next_;                   // right-hand side of the predictor, u*, u^{n+1}
   FaceField<FineGrid> u_tilde_;                  // u~, until the predictor is done
   FaceField<FineGrid>& conductance_ = u_tilde_;  // from then on
-  CellField<FineGrid> phi_, imbalance_;
-  Rate rate_;                   // of the last step
+  CellField<FineGrid> imbalance_;
   double inertia_per_eps_ = 0;  // A = inertia_per_eps eps + beta (kg/(m3 s))
   // Allocated when first needed.
-  FaceField<FineGrid> rhs_, inertia_;            // implicit viscosity: right-hand side and A
-  CellField<FineGrid> divergence_;               // implicit viscosity: imbalance_ before the pressure solver uses it
-  CellField<FineGrid> response_, response_rhs_;  // potential answering a unit mean gradient (flow-rate control)
-  FaceField<FineGrid> mean_u_;                   // intervals of more than one step; else the mean is u_
-  FaceField<FineGrid> mean_grad_p_;
-  bool one_step_ = true, keep_grad_p_ = false;
-  double velocity_scale_ = 0;                  // largest |eps u| (m/s)
+  FaceField<FineGrid> rhs_, inertia_;  // implicit viscosity: right-hand side and A
+  CellField<FineGrid> divergence_;     // implicit viscosity: imbalance_ before the pressure solver uses it
+  CellField<FineGrid> response_rhs_;   // of the potential that answers a unit mean gradient
+  bool keep_grad_p_ = false;
   mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row; made rows of the exchange are in row_b_
   double inlet_head_ = 0;  // own inlet faces: momentum flux through the first cells' centres less that entering, N
   bool implicit_viscosity_ = false;
