@@ -68,6 +68,9 @@ struct FluidSettings {
   Choice implicit_viscosity = Choice::kAuto;
   bool gap_friction = false;    ///< one-cell-deep scenes: -12 mu u / W^2
   double pressure_rtol = 1e-6;  ///< continuity error wanted, relative to U/h; also -fluid_pressure_rtol
+  /// Central convection damps nothing: extrapolated in time it grows above a Courant number of 0.67 (in theory;
+  /// tests/verification/test_central.cpp measures 0.60 to 0.65).
+  static double largest_cfl(Convection c) { return c == Convection::kCentral ? 0.6 : 1.0; }
   /// Both throw std::invalid_argument with a sentence (value found, value wanted, keyword) when something can't be
   /// right. check: numbers, kinds of conditions, shapes on their sides; regions needn't be known yet. check_flow: every
   /// patch covers a face, and what flows in can flow out; by the velocities of now.

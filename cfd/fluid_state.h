@@ -21,7 +21,9 @@ struct FluidState {
   double time = 0;               // t^n (s)
   double dt_previous = 0;        // t^n - t^{n-1} (s); 0: no history
   int idle_steps = 0;            // steps in a row that could have been longer
+  double dt_older = 0;           // t^{n-1} - t^{n-2} (s); 0: not known
   FaceField<FineGrid> u, u_old;  // u^n, u^{n-1} (m/s), with halo and ghosts
+  FaceField<FineGrid> u_older;   // u^{n-2}; only with central convection
   CellField<FineGrid> p;         // dynamic pressure (Pa), likewise
   Levels eps;                    // eps^n, eps^{n-1}, eps^{n-2}
   Vec3 imposed{0, 0, 0};         // G (Pa/m)
@@ -39,8 +41,9 @@ struct FluidState {
   /// Array3<double>& (of size 0 where not in use). S: FluidState or const FluidState.
   template <class S, class F>
   static void for_each_entry(S& s, F&& f) {
-    f("time", s.time), f("dt_previous", s.dt_previous), f("idle_steps", s.idle_steps);
+    f("time", s.time), f("dt_previous", s.dt_previous), f("dt_older", s.dt_older), f("idle_steps", s.idle_steps);
     components(s.u, {"u_x", "u_y", "u_z"}, f), components(s.u_old, {"u_old_x", "u_old_y", "u_old_z"}, f);
+    components(s.u_older, {"u_older_x", "u_older_y", "u_older_z"}, f);
     array("p", s.p, f);
     components(s.eps, {"eps_0", "eps_1", "eps_2"}, f);
     f("imposed_x", s.imposed[0]), f("imposed_y", s.imposed[1]), f("imposed_z", s.imposed[2]);

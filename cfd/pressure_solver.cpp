@@ -155,7 +155,8 @@ class PressureSolver::Impl {
     check(VecNorm(rhs_, NORM_2, &norm));
     if (!std::isfinite(norm))
       throw std::runtime_error(
-          "the right-hand side of the pressure equation is not finite; reduce the time step (fix_modify cfl)");
+          "the right-hand side of the pressure equation is not finite; reduce the time step (fix_modify cfl, or dt "
+          "where it is given)");
     if (norm == 0) {
       check(VecSet(solution_, 0));
       store(phi);
@@ -184,7 +185,7 @@ class PressureSolver::Impl {
         std::ostringstream message;
         message << "the pressure solver stopped at a residual of " << r << " after " << iterations
                 << " iterations (PETSc's reason " << int(reason) << "), wanted " << target_
-                << "; loosen -fluid_pressure_rtol or reduce the time step (fix_modify cfl)";
+                << "; loosen -fluid_pressure_rtol or reduce the time step (fix_modify cfl, or dt where it is given)";
         throw std::runtime_error(message.str());
       }
     }
