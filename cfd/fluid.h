@@ -18,11 +18,11 @@ class FaceRows {
 
 /// What the particles do to the fluid during one interval. All fields cover own faces (cells) and may be left
 /// unallocated (size 0) where a part is absent: it then costs nothing. Momentum balance of the volume V_f of face f:
-///   rho_f d(eps u)/dt + ... = - (1 - chi) grad p + source - beta u
+///   rho_f d(eps u)/dt + ... = - grad p + source - beta u
+/// In formulation A the share eps_s of grad p comes back in `source`, as the reaction to the particles' -V_p grad p.
 struct Interphase {
   FaceField<FineGrid> source;  ///< force on the fluid per volume (N/m3), constant over the interval
   FaceField<FineGrid> beta;    ///< implicit part's coefficient, kg/(m3 s)
-  FaceField<FineGrid> chi;     ///< share of grad p that others carry (formulation A: eps_s), dimensionless
   /// Particles were inserted or deleted: fluid has given or taken their place at the interval's begin, at its own
   /// velocity, and eps.begin is no longer the eps with which the last interval ended.
   bool replaced = false;

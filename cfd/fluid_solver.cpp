@@ -77,11 +77,6 @@ inline void for_each_row(const Box& b, const Array3<double>& like, F&& f) {
     for (int j = b.lo[1]; j < b.hi[1]; ++j) f(Int3{b.lo[0], j, k}, like.index(b.lo[0], j, k));
 }
 
-/// The row of an exchange's field that begins at x; null where the field is absent. Its box need not be the solver's.
-inline const double* row_of(const Array3<double>& a, const Int3& x) {
-  return a.size() ? a.data() + a.index(x[0], x[1], x[2]) : nullptr;
-}
-
 TWOGRID_VECTORISED void extrapolate_values(std::size_t n, double r, const double* now, const double* old,
                                            double* __restrict out) {
   for (std::size_t m = 0; m < n; ++m) out[m] = now[m] + r * (now[m] - old[m]);
@@ -474,14 +469,8 @@ inline void FluidSolver::predict_component(const Step& step, const Interphase& e
     const double *p = state_.p.data() + m, *now = state_.u[d].data() + m, *old = state_.u_old[d].data() + m;
     const double *e1 = state_.eps[1].data() + m, *e2 = state_.eps[2].data() + m;
     double *o = rhs[d].data() + m, *next = u_next_[d].data() + m;
-    if (const double* chi = row_of(exchange.chi[d], x)) {
 #pragma GCC ivdep
-      for (int i = 0; i < n; ++i)
-        o[i] -= (1 - chi[i]) * ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
-    } else {
-#pragma GCC ivdep
-      for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
-    }
+    for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
     if (const double* source = exchange.source_row(d, x[0], x[1], x[2], n, row_b_.data())) {
 #pragma GCC ivdep
       for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
@@ -545,8 +534,6 @@ inline void FluidSolver::conductance_component(const Interphase& exchange) {
     double* __restrict g = conductance_[d].data() + m;
     inertia_row(e, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
     for (int i = 0; i < n; ++i) g[i] = e[i] / A[i] * row.area(i) * row.inverse_width[i];
-    if (const double* chi = row_of(exchange.chi[d], x))
-      for (int i = 0; i < n; ++i) g[i] *= 1 - chi[i];
   });
 }
 
@@ -558,7 +545,7 @@ TWOGRID_VECTORISED void FluidSolver::conductance_rows(const Interphase& exchange
   if (boundaries_.component_solved(2)) conductance_component<2>(exchange);
 }
 
-/// Conductance of faces: eps s/A times area over the distance of the centres; half of it at an outlet, none through
+/// Conductance of faces: eps/A times area over the distance of the centres; half of it at an outlet, none through
 /// prescribed faces.
 void FluidSolver::set_conductance(const Interphase& exchange) {
   conductance_rows(exchange);
@@ -651,7 +638,7 @@ void FluidSolver::balance_outlets(double sum) {
   for_each(own_, [&](int i, int j, int k) { state_.phi(i, j, k) += rise; });
 }
 
-/// u^{n+1} = u* - s/A grad phi, with s/A from the conductance: g = eps s/A area/distance.
+/// u^{n+1} = u* - grad phi/A, with 1/A from the conductance: g = eps/A area/distance.
 template <int d>
 inline void FluidSolver::correct_component() {
   const std::ptrdiff_t s = state_.p.stride(d);
@@ -690,7 +677,7 @@ void FluidSolver::rotate_pressure() {
 void FluidSolver::hold_flow_rate(const Interphase& exchange) {
   for (int d = 0; d < 3; ++d) {
     if (!settings_.flow_rate_set[d]) continue;
-    // Potential that answers a unit mean gradient in d: div(g (grad chi + e_d)) = 0.
+    // Potential that answers a unit mean gradient in d: div(g (grad response + e_d)) = 0.
     if (state_.response.size() == 0) state_.response.reset(local_), response_rhs_.reset(own_);
     const std::ptrdiff_t s = state_.p.stride(d);
     const FaceComponent<FineGrid>& g = conductance_[d];  // the pressure solver has filled its halo

@@ -1,7 +1,7 @@
 // The volume-averaged Navier-Stokes equations on a staggered tensor-product grid.
 //
 //   mass       d(eps)/dt + div(eps u) = q
-//   momentum   rho [ d(eps u)/dt + div(eps u u) ] = -s (grad p + G) + div(eps tau) + source - beta u,   s = 1 - chi
+//   momentum   rho [ d(eps u)/dt + div(eps u u) ] = -(grad p + G) + div(eps tau) + source - beta u
 //
 // One step t^n -> t^{n+1} = t^n + dt (BDF2 with variable step; r = dt/dt_previous,
 // a0 = (1+2r)/(1+r), a1 = -(1+r), a2 = r^2/(1+r); the first step is backward Euler):
@@ -10,13 +10,13 @@
 //                    u^{n-2}; with constant steps u~ = 5/2 u^n - 2 u^{n-1} + 1/2 u^{n-2}. Without it any central scheme
 //                    that keeps energy grows, by 0.7 % a step at a Courant number of 0.3; with it none does up to 0.67)
 //   (2) predict      A u* = -rho/dt (a1 eps^n u^n + a2 eps^{n-1} u^{n-1}) - rho div(F~ u~) + div(eps tau(u~))
-//                           - s (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
+//                           - (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
 //                    (implicit viscosity: tau(u*) on the left, conjugate gradients)
-//   (3) project      div( eps s/A grad phi ) = div(eps u*) + d(eps)/dt - q,   d(eps)/dt by the same BDF2 formula
+//   (3) project      div( eps/A grad phi ) = div(eps u*) + d(eps)/dt - q,   d(eps)/dt by the same BDF2 formula
 //                    (first guess: r phi of the step before)
-//   (4) correct      u^{n+1} = u* - s/A grad phi,   p^{n+1} = p^n + phi
+//   (4) correct      u^{n+1} = u* - grad phi/A,   p^{n+1} = p^n + phi
 //                    (- 4/3 mu (div(eps u*) + d(eps)/dt - q) when viscosity is implicit: the rotational form of
-//                    Guermond & Shen (2004), with s taken as 1, an error of second order in dt)
+//                    Guermond & Shen (2004))
 // All at t^{n+1}; eps on faces is the volume-weighted mean of the cells'; prescribed faces keep their value.
 #pragma once
 

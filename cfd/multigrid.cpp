@@ -626,12 +626,6 @@ template <class T>
 int Multigrid<T>::levels() const {
   return int(levels_.size());
 }
-template <class T>
-double Multigrid<T>::complexity() const {
-  double sum = 0;
-  for (const Level& l : levels_) sum += double(l.n[0]) * l.n[1] * l.n[2];
-  return sum / (double(levels_[0].n[0]) * levels_[0].n[1] * levels_[0].n[2]);
-}
 
 template class Multigrid<double>;
 template class Multigrid<float>;

@@ -66,8 +66,6 @@ class Multigrid {
   void cycle();
 
   int levels() const;
-  /// Cells of all levels over cells of the finest one.
-  double complexity() const;
 
  private:
   struct Level;

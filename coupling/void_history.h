@@ -28,7 +28,6 @@ class VoidHistory {
   /// The interval is over: next() becomes now().
   void commit();
 
-  double last_interval() const { return last_interval_; }  ///< s; 0: none yet
   /// Weight r of the extrapolation x_n + r (x_n - x_{n-1}) of interval means to the interval's end, as used for eps.
   double extrapolation(double interval) const {
     return interpolate_ == Interpolate::kSmooth && last_interval_ > 0 ? interval / (interval + last_interval_) : 0.0;

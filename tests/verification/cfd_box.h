@@ -43,6 +43,7 @@ struct CfdBox {
     fluid->start(eps_begin);
   }
 
+  MPI_Comm comm() const { return comm_; }
   int rank() const { return rank_; }
   Box own() const { return layout.cells(rank_); }
   Vec3 face(int d, int i, int j, int k) const {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cfd_box.h"
+#include "formulation_a.h"
 
 using namespace twogrid;
 
@@ -65,21 +66,21 @@ TEST(Conservation, MomentumOfAPeriodicBoxChangesByForcesAlone) {
         box.fluid->keep_pressure_gradient();
         Interphase exchange;
         exchange.source = exchange.beta = box.face_field();
-        if (a) exchange.chi = box.face_field();
-        auto eps_f = box.face_field();
+        FormulationA particles(box);
         double worst = 0, most = 0;
         const double dt = 0.02;
         for (int step = 1; step <= 6; ++step) {
           deposit(box.eps_end, step);
-          box.fluid->momentum().face_mean(box.eps_end, eps_f);
           for (int d = 0; d < 3; ++d)
             for_each(box.faces(d), [&](int i, int j, int k) {
               exchange.beta[d](i, j, k) = 40 * noise(i, j, k, 10 * step + d);
               exchange.source[d](i, j, k) = 20 * (noise(i, j, k, 10 * step + d + 3) - 0.5);
-              if (a) exchange.chi[d](i, j, k) = 1 - eps_f[d](i, j, k);
             });
           Vec3 before = box.fluid->total_momentum(), pending = box.fluid->pending_momentum();
-          box.step(dt, exchange);
+          // A: drag that pulls along particles at rest, and the particles' pressure force.
+          const Interphase& felt = a ? particles.exchange(exchange.beta, {}, exchange.source) : exchange;
+          box.step(dt, felt);
+          if (a) particles.read();
           const Vec3 after = box.fluid->total_momentum(), still = box.fluid->pending_momentum();
           box.eps_begin = box.eps_end;
           if (step < 3) continue;  // BDF2 with a constant step
@@ -87,10 +88,10 @@ TEST(Conservation, MomentumOfAPeriodicBoxChangesByForcesAlone) {
             double force = 0, size = 0;
             for_each(box.faces(d), [&](int i, int j, int k) {
               const double V = box.fluid->momentum().volume(d, i, j, k);
-              const double drag = exchange.beta[d](i, j, k) * box.fluid->mean_velocity()[d](i, j, k);
-              const double push = (a ? eps_f[d](i, j, k) : 1.0) * box.fluid->mean_pressure_gradient()[d](i, j, k);
-              force += V * (exchange.source[d](i, j, k) - drag - push);
-              size += V * (std::abs(exchange.source[d](i, j, k)) + std::abs(drag) + std::abs(push));
+              const double drag = felt.beta[d](i, j, k) * box.fluid->mean_velocity()[d](i, j, k);
+              const double push = box.fluid->mean_pressure_gradient()[d](i, j, k);
+              force += V * (felt.source[d](i, j, k) - drag - push);
+              size += V * (std::abs(felt.source[d](i, j, k)) + std::abs(drag) + std::abs(push));
             });
             const double change = after[d] + still[d] - before[d] - pending[d];
             worst = std::max(worst, std::abs(change - box.sum(force) * dt));
@@ -164,7 +165,7 @@ TEST(FlowRate, IsHeldToRoundOff) {
         box.eps_end = box.eps_begin;
         box.fluid->start(box.eps_begin);
         for (int k = 0; k < 6; ++k) {
-          box.step(0.01, bare ? Interphase{exchange.source, {}, {}, {}, exchange.particle_flux} : exchange);
+          box.step(0.01, bare ? Interphase{exchange.source, {}, false, exchange.particle_flux} : exchange);
           double flow = 0, volume = 0;
           for_each(box.faces(d), [&](int i, int j, int k2) {
             const double V = box.fluid->momentum().volume(d, i, j, k2);
@@ -410,19 +411,18 @@ Turned jet(int turn, bool mirrored, MPI_Comm comm, const CfdBox::Cuts* cuts = nu
   box.set(box.eps_begin, eps(0));
   box.fluid->start(box.eps_begin);
   Interphase exchange;
-  exchange.beta = exchange.chi = box.face_field();
-  auto eps_f = box.face_field();
+  exchange.beta = box.face_field();
+  FormulationA particles(box);
   const double dt = 2e-5;
   for (int k = 1; k <= 10; ++k) {
     box.set(box.eps_end, eps(k * dt));
-    box.fluid->momentum().face_mean(box.eps_end, eps_f);
     for (int d = 0; d < 3; ++d)
       for_each(box.faces(d), [&](int i, int j, int l) {
-        exchange.chi[d](i, j, l) = 1 - eps_f[d](i, j, l);
         const Vec3 q = flow_at(box.face(d, i, j, l));
         exchange.beta[d](i, j, l) = 2e4 * (1 + std::sin(300 * q[2] + 100 * q[0]));
       });
-    box.step(dt, exchange);
+    box.step(dt, particles.exchange(exchange.beta, {}, {}));
+    particles.read();
     box.eps_begin = box.eps_end;
   }
   Turned result;
