@@ -59,7 +59,8 @@ void FluidSettings::check(const FineGrid& grid) const {
   if (!(cfl > 0 && cfl <= 1)) refuse("cfl", text_of(cfl), "a Courant number above 0 and at most 1");
   if (cfl > largest_cfl(convection))
     refuse("cfl", text_of(cfl) + " with 'convection central'",
-           text_of("at most ", largest_cfl(convection), ", above which that grows without bound, or 'convection vanleer'"));
+           text_of("at most ", largest_cfl(convection),
+                   ", above which that grows without bound, or 'convection vanleer'"));
   if (!(dt >= 0)) refuse("dt", text_of(dt), "0 (automatic) or a time in s");
   if (!(pressure_rtol > 0 && pressure_rtol < 1)) refuse("tolerance", text_of(pressure_rtol), "between 0 and 1");
 
