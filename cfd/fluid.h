@@ -29,6 +29,9 @@ struct Interphase {
   Vec3 particle_flux{0, 0, 0};            ///< mean of eps_s v over the domain (m/s); only for a given flow rate
   const FaceRows* source_rows = nullptr;  ///< in place of source
   const FaceRows* beta_rows = nullptr;    ///< in place of beta
+  /// Where replaced: by commands between runs. The fluid keeps its flux eps u in place of its velocity, so that nothing
+  /// has to be accelerated.
+  bool same_flux = false;
 
   bool reacts() const { return source_rows || source[0].size() > 0; }
   /// Row of source or beta as FaceRows::row() describes it: where it is held, or made in the given memory; null: none.

@@ -204,7 +204,7 @@ void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const Cel
 
 FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
   FluidReport report;
-  if (exchange.replaced) replace(*eps.begin);
+  if (exchange.replaced) replace(*eps.begin, exchange.same_flux);
   begin_means();
   double done = 0;
   while (done < interval * (1 - 1e-12)) {
@@ -396,7 +396,16 @@ void FluidSolver::next_level(const VoidFractionInTime& eps, double s, double int
 }
 
 /// What came or went changes eps at once, in the past levels too: no velocity follows from it.
-void FluidSolver::replace(const CellField<FineGrid>& now) {
+void FluidSolver::replace(const CellField<FineGrid>& now, bool same_flux) {
+  const auto by_eps = [&](bool times) {
+    for (int d = 0; d < 3; ++d)
+      for_each(faces_[d], [&](int i, int j, int k) {
+        const double now = eps_f_[d](i, j, k), before = momentum_.face_mean(eps_[1], d, i, j, k);
+        u_[d](i, j, k) *= times ? now : 1 / now;
+        u_old_[d](i, j, k) *= times ? before : 1 / before;
+      });
+  };
+  if (same_flux) by_eps(true);
   for_each(local_, [&](int i, int j, int k) {
     const std::ptrdiff_t m = state_.p.index(i, j, k);
     double &e0 = state_.eps[0].data()[m], &e1 = state_.eps[1].data()[m];
@@ -405,6 +414,11 @@ void FluidSolver::replace(const CellField<FineGrid>& now) {
     e1 = std::max(e1 + change, 0.5 * std::min(e1, e0));
   });
   set_face_eps();
+  if (!same_flux) return;
+  by_eps(false);
+  boundaries_.apply_normal(u_);
+  fill(u_);
+  fill(u_old_);
 }
 
 void FluidSolver::previous_level() {

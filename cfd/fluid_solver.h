@@ -103,7 +103,7 @@ class FluidSolver : public Fluid {
   void set_face_eps();
   void next_level(const VoidFractionInTime& eps, double s, double interval);
   void previous_level();
-  void replace(const CellField<FineGrid>& now);
+  void replace(const CellField<FineGrid>& now, bool same_flux);
   void extrapolate(const Step& step);
   void measure_inlet_head();
   void begin_means();

@@ -97,6 +97,8 @@ class Coupling::Impl {
   Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, const ParticleRegion& region);
 
   void start(Particles& p, double dem_dt);
+  void rest(Particles& p);
+  bool resting() const { return resting_; }
   void advance(Particles& p, int steps, double dem_dt, bool check);
   void force(Particles& p, double dem_dt, bool accumulate);
   void move_region(const ParticleRegion& region);
@@ -115,7 +117,9 @@ class Coupling::Impl {
   long long find_bad(const Particles& p, double& not_finite, double& uncovered) const;
   void deposit(const Particles& p);
   void check_room() const;
-  void find_deleted(const Particles& p);
+  void go_on(Particles& p);
+  void note_growth(const Particles& p);
+  void lay_out(const Particles& p, CellField<ParticleGrid>& eps);
   void allocate_replacement();
   const CellField<FineGrid>* replacement(const Particles& p);
   void react(const Particles& p, double interval);
@@ -155,14 +159,17 @@ class Coupling::Impl {
   double known_volume_ = 0;  // of the particles at the last coupling (m3)
   bool started_ = false, holding_ = false;
   bool pressure_force_ = false;  // particles feel V_p D/eps as a force of its own
-  bool any_deleted_ = false;
-  bool covered_ = true;  // all particles of this rank are where they may be
+  bool resting_ = false;      // between runs
+  bool any_changed_ = false;  // by commands between runs, since the last coupling
+  double grown_ = 0;          // volume that this rank's particles have gained since the last coupling (m3)
+  bool covered_ = true;       // all particles of this rank are where they may be
 
   // Fields of this coupling.
   Array3<long long> solid_, inserted_;
   CellField<ParticleGrid> eps_node_, replaced_;
-  CellField<ParticleGrid> deleted_;  // fraction of solids deleted before this run; only if any_deleted_
+  CellField<ParticleGrid> rest_eps_;  // at the last run's end
   CellField<FineGrid> replaced_cells_;
+  CellField<FineGrid> changed_cells_;  // what commands between runs have added to eps; only if any_changed_
   Interphase exchange_;
   NodeSpread source_, beta_;                 // its rows
   NodeSpread deviation_, deviation_beta_;    // complete_drag(): then the source is held as a field
@@ -180,6 +187,7 @@ class Coupling::Impl {
   std::vector<Vec3> last_force_;  // of inside_, at the end of the interval; only in a coupling that is checked
   Extremes extremes_;
   long long new_count_ = 0;
+  double all_grown_ = 0;  // of all ranks, in this interval (m3)
   double terms_ = 1;
   int repeated_ = 0;   // steps since the last coupling whose force was that of the step before
   bool kept_ = false;  // nothing moved at the last coupling: its void fraction may be that of this one too
@@ -245,7 +253,7 @@ void Coupling::Impl::move_region(const ParticleRegion& region) {
 
 void Coupling::Impl::start(Particles& p, double dem_dt) {
   if (started_) {  // a further run: all state is alive, here and with the particles
-    find_deleted(p);
+    if (resting_) go_on(p);
     return;
   }
   find_particles(p);
@@ -259,6 +267,7 @@ void Coupling::Impl::start(Particles& p, double dem_dt) {
   fluid_.start(history_.next());
   history_.start();
   take(p, settings_.every * dem_dt);
+  for (int i : inside_) p.state[i][kRestRadius] = p.radius[i];
   // Columns of forces hold what was applied last: nothing yet.
   for (int i : inside_)
     for (int d = 0; d < 3; ++d) p.state[i][kDragForce + d] = -p.state[i][kPressureForce + d];
@@ -390,6 +399,7 @@ void Coupling::Impl::end_interval(Particles& p, double interval, double dem_dt) 
       mine.reaction = std::max(mine.reaction, std::abs(impulse) / interval);
       mine.finite = mine.finite && std::isfinite(impulse + p.x[i][d] + p.v[i][d]);
     }
+  if (p.growing) note_growth(p);
   reduce(p, mine);
   const auto& given = settings_.fluid.flow_rate_set;
   if (given[0] || given[1] || given[2]) {  // the flow rate is that of fluid and particles together
@@ -435,10 +445,12 @@ void Coupling::Impl::reduce(const Particles& p, const Survey& mine) {
   extremes_ = {mine.radius,   mine.minus_radius,  mine.mass,       mine.reaction,
                mine.response, mine.flux_velocity, extremes_.follow};
   double tag = double(bad_tag);
+  all_grown_ = grown_;
+  grown_ = 0;
   Reduction::over_ranks(comm_,
                         {&extremes_.radius, &extremes_.minus_radius, &extremes_.mass, &extremes_.reaction,
                          &extremes_.response, &extremes_.flux_velocity, &tag},
-                        {&count[0], &count[1], &count[2], &count[3], &count[4]});
+                        {&count[0], &count[1], &count[2], &count[3], &count[4], &all_grown_});
   if (count[3] > 0)
     throw std::runtime_error(std::to_string((long long)count[3]) +
                              " particles have a position, velocity or impulse that is " +
@@ -509,49 +521,102 @@ void Coupling::Impl::check_room() const {
                              ": insert fewer particles, or choose larger particle cells by ratio");
 }
 
-/// Commands between two runs may have deleted particles. Fluid takes their place at the next coupling: what
-/// the solids on the nodes have lost since the last one. (With it go the few steps of motion since then.)
-void Coupling::Impl::find_deleted(const Particles& p) {
-  if (settings_.one_way) return;
-  find_particles(p);
-  std::vector<int> old;
-  double volume = 0;
+void Coupling::Impl::note_growth(const Particles& p) {
   for (const std::vector<int>* list : {&inside_, &leaving_})
-    for (int i : *list)
-      if (p.state[i][kVoidFraction] > 0) old.push_back(i), volume += sphere_volume(p.radius[i]);
-  MPI_Allreduce(MPI_IN_PLACE, &volume, 1, MPI_DOUBLE, MPI_SUM, comm_);
-  if (known_volume_ - volume <= 1e-10 * known_volume_) return;
+    for (int i : *list) {
+      double* s = p.state[i];
+      if (s[kVoidFraction] != 0 && p.radius[i] != s[kRestRadius])
+        grown_ += sphere_volume(p.radius[i]) - sphere_volume(s[kRestRadius]);
+      s[kRestRadius] = p.radius[i];
+    }
+}
+
+/// Void fraction on the particle grid of the particles that the last coupling knew, where they are now.
+void Coupling::Impl::lay_out(const Particles& p, CellField<ParticleGrid>& eps) {
+  find_particles(p);
+  double mine = 0, largest = 0;
+  std::vector<int> known;
+  for (int i : inside_)
+    if (p.state[i][kVoidFraction] != 0 && std::isfinite(p.radius[i]) && reader_.window().covers(p.x[i])) {
+      known.push_back(i);
+      mine = std::max(mine, p.radius[i]);
+    }
+  MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  volume_deposit_.prepare(std::max(largest, extremes_.radius));
   allocate_replacement();
-  volume_deposit_(p, old, inserted_);
+  volume_deposit_(p, known, inserted_);
   const FixedPoint& scale = volume_deposit_.scale();
   limit_(scale, inserted_);
-  for_each(inserted_.box(), [&](int i, int j, int k) {
-    deleted_(i, j, k) = scale.value(solid_(i, j, k) - inserted_(i, j, k)) / nodes_.volume(i, j, k);
-  });
-  any_deleted_ = true;
+  if (eps.size() == 0) eps.reset(eps_node_.box(), 1.0);
+  for_each(inserted_.box(),
+           [&](int i, int j, int k) { eps(i, j, k) = 1 - scale.value(inserted_(i, j, k)) / nodes_.volume(i, j, k); });
+}
+
+void Coupling::Impl::rest(Particles& p) {
+  if (!started_ || resting_) return;
+  resting_ = true;
+  if (!settings_.one_way) lay_out(p, rest_eps_);
+  if (p.growing) note_growth(p);
+  for (int i = 0; i < p.n; ++i) {
+    double* s = p.state[i];
+    if (!p.takes_part(i) || s[kKnown] == 0) continue;
+    for (int d = 0; d < 3; ++d) s[kPosition + d] -= p.x[i][d];
+    s[kRestMass] = p.mass[i], s[kRestRadius] = p.radius[i];
+  }
+}
+
+/// What differs from rest() has been changed by commands. Where they have deleted particles, made them smaller or moved
+/// them away, fluid takes their place at the next coupling, and the other way round.
+void Coupling::Impl::go_on(Particles& p) {
+  resting_ = kept_ = false;
+  for (int i = 0; i < p.n; ++i) {
+    double* s = p.state[i];
+    if (!p.takes_part(i) || s[kKnown] == 0) continue;
+    for (int d = 0; d < 3; ++d) s[kPosition + d] += p.x[i][d];
+    if (p.mass[i] != s[kRestMass]) forces_.renew_decay(p, i);
+    if (p.radius[i] != s[kRestRadius] && s[kVoidFraction] != 0)
+      grown_ += sphere_volume(p.radius[i]) - sphere_volume(s[kRestRadius]);
+    s[kRestRadius] = p.radius[i];
+  }
+  if (settings_.one_way) return;
+  CellField<ParticleGrid> eps;
+  lay_out(p, eps);
+  double mine = 0, largest = 0;
+  for_each(inserted_.box(),
+           [&](int i, int j, int k) { mine = std::max(mine, std::abs(eps(i, j, k) - rest_eps_(i, j, k))); });
+  MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  if (largest < 1e-9) return;
+  CellField<FineGrid>& after = history_.next();  // free until the next coupling
+  if (!any_changed_) changed_cells_.reset(after.box());
+  inject_(rest_eps_, replaced_cells_);
+  inject_(eps, after);
+  for (std::size_t m = 0; m < after.size(); ++m)
+    changed_cells_.data()[m] += after.data()[m] - replaced_cells_.data()[m];
+  any_changed_ = true;
 }
 
 void Coupling::Impl::allocate_replacement() {
-  if (inserted_.size() > 0) return;
+  if (replaced_cells_.size() > 0 || history_.next().size() == 0) return;
   inserted_.reset(solid_.box());
-  deleted_.reset(solid_.box());
   replaced_.reset(solid_.box());
   replaced_cells_.reset(history_.next().box());
 }
 
-/// Change of eps by particles that came or went since the last coupling; null: none did.
+/// Change of eps by particles that came since the last coupling, and by commands between runs; null: none.
 const CellField<FineGrid>* Coupling::Impl::replacement(const Particles& p) {
-  exchange_.replaced = (new_count_ > 0 || any_deleted_) && !settings_.one_way;
+  exchange_.replaced = (new_count_ > 0 || any_changed_) && !settings_.one_way;
+  exchange_.same_flux = any_changed_;
   if (!exchange_.replaced) return nullptr;
   allocate_replacement();
   volume_deposit_(p, new_, inserted_);
   const FixedPoint& scale = volume_deposit_.scale();
   for_each(inserted_.box(), [&](int i, int j, int k) {
-    const double gone = any_deleted_ ? deleted_(i, j, k) : 0.0;
-    replaced_(i, j, k) = gone - scale.value(inserted_(i, j, k)) / nodes_.volume(i, j, k);
+    replaced_(i, j, k) = 0 - scale.value(inserted_(i, j, k)) / nodes_.volume(i, j, k);
   });
-  any_deleted_ = false;
   inject_.constant(replaced_, replaced_cells_);
+  if (any_changed_)
+    for (std::size_t m = 0; m < replaced_cells_.size(); ++m) replaced_cells_.data()[m] += changed_cells_.data()[m];
+  any_changed_ = false;
   return &replaced_cells_;
 }
 
@@ -818,10 +883,12 @@ void Coupling::Impl::close_ledger(double interval) {
   report_.solid_volume_error = balance.volume_error;
   if (interval > 0 && !settings_.one_way) report_.momentum_error = balance.momentum_error;
   report_.volume_inserted = balance.inserted_volume;
-  report_.volume_vanished = interval > 0 ? known_volume_ + balance.inserted_volume - balance.solid_volume : 0.0;
+  report_.volume_vanished =
+      interval > 0 ? known_volume_ + balance.inserted_volume + all_grown_ - balance.solid_volume : 0.0;
   if (std::abs(report_.volume_vanished) <= 1e-10 * known_volume_) report_.volume_vanished = 0;  // round-off of the sums
   report_.inserted_total += report_.volume_inserted;
   report_.vanished_total += report_.volume_vanished;
+  report_.grown_total += all_grown_;
   known_volume_ = balance.solid_volume;
 }
 
@@ -846,6 +913,12 @@ void Coupling::move_region(const Vec3& sub_lo, const Vec3& sub_hi, double reach)
 }
 void Coupling::advance(Particles& p, int steps, double dem_dt, bool check) {
   impl_->advance(p, steps, dem_dt, check);
+}
+void Coupling::rest(Particles& p) {
+  impl_->rest(p);
+}
+bool Coupling::resting() const {
+  return impl_->resting();
 }
 void Coupling::force(Particles& p, double dem_dt, bool accumulate) {
   impl_->force(p, dem_dt, accumulate);

@@ -49,6 +49,7 @@ struct Report {
   double volume_inserted = 0;                     ///< of particles new since the last coupling (m3); they replace fluid
   double volume_vanished = 0;                     ///< of particles deleted, or gone out of the domain, since then (m3)
   double inserted_total = 0, vanished_total = 0;  ///< their sums over the run (m3)
+  double grown_total = 0;      ///< volume by which particles have become larger, or (negative) smaller, so far (m3)
   double travel = 0;           ///< largest way of a particle in an interval, at its speed now, in particle cells
   double volume_unplaced = 0;  ///< above the eps bound, with no room anywhere (m3)
   double step_error = 0;       ///< of the last check: Fluid::advance_and_check
@@ -69,8 +70,13 @@ class Coupling {
   ~Coupling();
 
   /// At the beginning of every run. The first: deposits, initialises eps^n and eps^{n-1}, and reads; the fluid does not
-  /// advance. Later ones: looks for particles that were deleted since. Collective.
+  /// advance. Later ones: fluid and particles replace each other, without motion, where commands have deleted, moved or
+  /// resized particles since rest(). Collective.
   void start(Particles& p, double dem_dt);
+  /// At the end of every run: whatever changes until start() has been changed by commands. Collective.
+  void rest(Particles& p);
+  /// Between rest() and start().
+  bool resting() const;
   /// The rank's brick of the particle decomposition has become another; between couplings. Collective.
   void move_region(const Vec3& sub_lo, const Vec3& sub_hi, double reach);
   /// Steps 1-5 above for an interval of `steps` DEM steps of dem_dt seconds. Collective.

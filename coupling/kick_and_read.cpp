@@ -94,6 +94,7 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
   const FourNumbers* const field = t.reader.field();
   const double* const size_ratio = compiled::kPolydisperse ? t.size_ratio : nullptr;
   const double interval = t.interval;
+  const bool in_part = compiled::kHeld && p.some_held_in_part();
   t.reader.at_places(p, who, t.places, [&](std::size_t q, const auto& place) {
     const int i = who[q];
     if (q + kAhead < n) {
@@ -109,7 +110,11 @@ inline void take(Particles& p, const std::vector<int>& who, const std::vector<Im
     const double per_mass = drag[q].seen[3];
     if (kKick) {
       const Four kick = drag[q].given[3] * interval * (out[kMean] - drag[q].seen);
-      v += kick * per_mass;
+      Four change = kick * per_mass;
+      if (in_part)
+        for (int d = 0; d < 3; ++d)
+          if (p.held(i, d)) change[d] = 0;
+      v += change;
       for (int d = 0; d < 3; ++d) p.v[i][d] = v[d];
       kicks.add(kick);
       Four size;

@@ -16,10 +16,12 @@ enum ParticleColumn {
   kFluidVelocity = 7,  ///< 7-9 u read at the last coupling, by the weights of the reaction (m/s)
   kLateForce = 10,     ///< 10-12 stiff steps: force of the half kick after the step's end less that of before (N)
   kSizeRatio = 13,     ///< 13 diameter over the local Sauter mean
-  kPosition = 14,      ///< 14-16 x at the last coupling (m)
+  kPosition = 14,      ///< 14-16 x at the last coupling (m); between runs less x, so that a command may change x
   kPathVelocity = 17,  ///< 17-19 path / interval of the last coupling (m/s)
   kResponse = 20,      ///< 20 b_tot: drag coefficient with the share of the pressure force (kg/s)
   kKnown = 21,         ///< 21 not 0: the particle was there at the last coupling
+  kRestMass = 22,      ///< 22 mass at the last run's end (kg)
+  kRestRadius = 23,    ///< 23 radius then; where particles grow, at the last coupling (m)
   kParticleColumns = 24
 };
 
@@ -50,9 +52,13 @@ struct Particles {
   const int* tag = nullptr;        ///< identity, may be null
   const int* mask = nullptr;       ///< groups, may be null: all take part
   int group = ~0;                  ///< a particle takes part if mask & group
-  int moving = ~0;                 ///< groups whose velocity is integrated; the other particles are held in place
-  int frozen = 0;                  ///< groups that are held in place all the same
-  bool still = false;              ///< no particle of any rank moves
+  /// Groups in which a component of the velocity follows from forces. In the other particles something holds it, or
+  /// prescribes it: what the fluid gives them in that direction goes to what holds them.
+  int moving[3] = {~0, ~0, ~0};
+  int fixed[3] = {0, 0, 0};        ///< groups in which something holds that component all the same
+  int frozen[3] = {0, 0, 0};       ///< of these, groups to whose force in that direction nothing may be added
+  bool still = false;              ///< no particle of any rank moves or grows
+  bool growing = false;            ///< radii change during the run
   bool watched = true;             ///< someone looks at the drag of this step; always so in set-up and where still
   double* const* state = nullptr;  ///< state[i][ParticleColumn]
   double* const* step = nullptr;   ///< step[i][StepColumn]
@@ -67,10 +73,18 @@ struct Particles {
 
   bool takes_part(int i) const { return !mask || (mask[i] & group); }
   /// false: certainly none is.
-  bool some_held() const { return mask && (moving != ~0 || frozen != 0); }
-  bool is_frozen(int i) const { return mask && (mask[i] & frozen); }
-  /// What holds it takes up its momentum: as if its mass were infinite.
-  bool held(int i) const { return mask && (!(mask[i] & moving) || is_frozen(i)); }
+  bool some_held() const {
+    return mask && ((moving[0] & moving[1] & moving[2]) != ~0 || (fixed[0] | fixed[1] | fixed[2]) != 0);
+  }
+  /// false: certainly none is held in one direction and free in another.
+  bool some_held_in_part() const {
+    return mask && (moving[0] != moving[1] || moving[0] != moving[2] || fixed[0] != fixed[1] || fixed[0] != fixed[2]);
+  }
+  bool is_frozen(int i, int d) const { return mask && (mask[i] & frozen[d]); }
+  /// In direction d what holds it takes up its momentum: as if its mass were infinite.
+  bool held(int i, int d) const { return mask && (!(mask[i] & moving[d]) || (mask[i] & fixed[d])); }
+  /// In all directions.
+  bool held(int i) const { return held(i, 0) && held(i, 1) && held(i, 2); }
 };
 
 }  // namespace twogrid

@@ -13,6 +13,20 @@ namespace {
 
 constexpr int kStiffRounds = 4;
 
+/// A run goes on: the force of the next half kick is known of the last step, whose mean motion and slip set-up can't
+/// see. Where it is far from what they would be now, a command has changed velocities, and it is not taken.
+void take_up(const double* s, const Vec3& other, Vec3& first, Vec3& second) {
+  Vec3 known;
+  double difference = 0, size = 0;
+  for (int d = 0; d < 3; ++d) {
+    const double received = s[kDragForce + d] + s[kPressureForce + d] + 0.5 * s[kLateForce + d];
+    known[d] = other[d] + received;
+    difference += (known[d] - first[d]) * (known[d] - first[d]);
+    size += received * received;
+  }
+  if (difference <= 2.5e-3 * size) first = second = known;
+}
+
 }  // namespace
 
 void StepForces::set_gravity(const std::vector<Weight>& weights) {
@@ -46,6 +60,7 @@ void StepForces::operator()(Particles& p, double dem_dt, bool accumulate, MeanMo
     plain(p, dem_dt);
   else
     on_all<false, false>(p, dem_dt, false, nullptr);
+  if (accumulate) last_dt_ = dem_dt;
 }
 
 template <bool kHolding, bool kHeld>
@@ -90,15 +105,24 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
     slip[d] = p.step[i][kStepVelocity + d] - c[d] - p.v[i][d];
     steady[d] = other[d] + s[kPressureForce + d] + volume * pressure[d];
   }
-  const double k = kHeld && p.held(i) ? 0 : response * dem_dt / p.mass[i];
-  const bool stiff = k > kStiff;
+  const bool held = kHeld && p.held(i), held_in_part = kHeld && !held && p.some_held_in_part();
+  const double k = held ? 0 : response * dem_dt / p.mass[i];
+  const bool stiff = k > kStiff, goes_on = !accumulate && dem_dt == last_dt_ && s[kKnown] != 0;
   Vec3 first, second;  // forces of the half kicks before and after this step's end
   if (stiff) {
     stiff_.push_back(i);
-    stiff_forces(p, i, k / b, dem_dt, steady, slip, accumulate, first, second);
+    Vec3 per_mass;
+    for (int d = 0; d < 3; ++d) per_mass[d] = held_in_part && p.held(i, d) ? 0 : dem_dt / p.mass[i];
+    stiff_forces(p, i, k / b, per_mass, steady, slip, accumulate, first, second);
   } else {
-    for (int d = 0; d < 3; ++d) first[d] = second[d] = (steady[d] + b * slip[d]) * mean_decay(k);
+    double decay = mean_decay(k);
+    if (goes_on && !held) decay /= 1 - 0.5 * b * dem_dt / p.mass[i] * decay;
+    for (int d = 0; d < 3; ++d) first[d] = second[d] = (steady[d] + b * slip[d]) * decay;
   }
+  if (goes_on && (kHolding || stiff)) take_up(s, other, first, second);
+  if (held_in_part)
+    for (int d = 0; d < 3; ++d)
+      if (p.held(i, d)) first[d] = second[d] = steady[d] + b * slip[d];
   for (int d = 0; d < 3; ++d) {
     const double received = 0.5 * (first[d] + second[d]) - other[d];
     // Set-up computes the forces of t^n anew, for the half kick that begins the next step. That half kick's impulse was
@@ -108,7 +132,7 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
                       : 0.5 * dem_dt * (received - s[kDragForce + d] - s[kPressureForce + d] - 0.5 * s[kLateForce + d]);
     s[kDragForce + d] = received - s[kPressureForce + d];
     s[kLateForce + d] = second[d] - first[d];
-    if (!kHeld || !p.is_frozen(i)) p.f[i][d] = first[d];
+    if (!kHeld || !p.is_frozen(i, d)) p.f[i][d] = first[d];
   }
 }
 
@@ -116,10 +140,10 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
 /// particle, its exact mean. With G the steady force and w the slip at the mean velocity of the step that ends:
 ///   end of this step     first  = 2 (G + b w) [1 - (1 - phi)/(k phi)]
 ///   start of the next    second = 2 (G + b w_n) (1 - phi)/k,   w_n the slip at this step's end
-/// b by the drag law at the mean slip of the step in question (that of the next one by iteration). k_per_b = k/b.
-void StepForces::stiff_forces(const Particles& p, int i, double k_per_b, double dem_dt, const Vec3& steady,
+/// b by the drag law at the mean slip of the step in question (that of the next one by iteration). k_per_b = k/b;
+/// per_mass = D/m, 0 in a direction in which the particle is held.
+void StepForces::stiff_forces(const Particles& p, int i, double k_per_b, const Vec3& per_mass, const Vec3& steady,
                               const Vec3& slip, bool ends_a_step, Vec3& first, Vec3& second) const {
-  const double per_mass = dem_dt / p.mass[i];
   Vec3 end = slip, middle;
   if (ends_a_step) {
     // b at the mean slip; the longer the step, the nearer to the slip at its end, where it settles.
@@ -130,7 +154,7 @@ void StepForces::stiff_forces(const Particles& p, int i, double k_per_b, double 
       for (int d = 0; d < 3; ++d) {
         const double kick = (steady[d] + b * slip[d]) * share;
         first[d] = 2 * kick;
-        end[d] = slip[d] - kick * per_mass;
+        end[d] = slip[d] - kick * per_mass[d];
         middle[d] = slip[d] + late * (end[d] - slip[d]);
       }
       if (round < kStiffRounds) b = std::sqrt(b * law_at(p, i, middle));
@@ -145,8 +169,8 @@ void StepForces::stiff_forces(const Particles& p, int i, double k_per_b, double 
     if (round == kStiffRounds) break;
     double square = 0, mean_square = 0;
     for (int d = 0; d < 3; ++d) {
-      const double F = steady[d] + b * end[d], last = end[d] - F * phi * per_mass;
-      middle[d] = end[d] - F * share * per_mass;
+      const double F = steady[d] + b * end[d], last = end[d] - F * phi * per_mass[d];
+      middle[d] = end[d] - F * share * per_mass[d];
       square += (end[d] * end[d] + end[d] * last + last * last) / 3;
       mean_square += 0.25 * (end[d] + last) * (end[d] + last);
     }

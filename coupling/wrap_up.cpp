@@ -41,7 +41,7 @@ inline void wrap_up_all(const Particles& p, const std::vector<int>& who, const I
       for (int d = 0; d < 3; ++d) step[kImpulse + d] += end.repeated * (s[kDragForce + d] + s[kPressureForce + d]);
     const Four impulse = four_at(step + kImpulse), u = four_at(s + kFluidVelocity);
     const double m = p.mass[i], b = s[kResponse];
-    const double per_mass = held && p.held(i) ? 0.0 : 1 / m;
+    const double per_mass = held && p.held(i) ? 0.0 : 1 / m;  // held in part: what is free in it answers
     const double response = b * mean_decay(b * end.interval * per_mass);
     Four seen = u;
     if (compiled::kHold && end.change) seen -= Four{end.change[q][0], end.change[q][1], end.change[q][2], 0};

@@ -48,7 +48,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int kVectorSize = 15;
+constexpr int kVectorSize = 16;
 constexpr double kPatience = 10;  // s that a signal waits for the end of a coupling
 constexpr int kUserColumns = 10;
 static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
@@ -136,7 +136,8 @@ FixTwogrid::~FixTwogrid() {
 }
 
 int FixTwogrid::setmask() {
-  return FixConst::PRE_EXCHANGE | FixConst::PRE_FORCE | FixConst::POST_FORCE | FixConst::END_OF_STEP;
+  return FixConst::PRE_INITIAL_INTEGRATE | FixConst::PRE_EXCHANGE | FixConst::PRE_FORCE | FixConst::POST_FORCE |
+         FixConst::END_OF_STEP;
 }
 
 void FixTwogrid::refuse_what_cannot_be_served() const {
@@ -144,13 +145,18 @@ void FixTwogrid::refuse_what_cannot_be_served() const {
   if (domain->dimension != 3)
     refuse("dimension", std::to_string(domain->dimension), "dimension 3 (one fine cell in the thin direction)");
   if (domain->triclinic) refuse("box", "a tilted one", "an orthogonal box");
+  if (std::strcmp(update->integrate_style, "verlet") != 0)
+    refuse("run_style", update->integrate_style, "verlet: the fluid is coupled to steps of one length");
   check_box_boundary(domain->boundary);
   if (!atom->radius_flag || !atom->rmass_flag)
     refuse("atom_style", "one without radius and mass", "atom_style granular (or sphere)");
   for (int f = 0; f < modify->nfix; ++f) {
     if (!modify->fix[f]) continue;  // the place of this very fix, when it replaces one of its id
     const std::string other = modify->fix[f]->style;
-    if (other == "multisphere" || other == "rigid")
+    if (modify->fix[f]->box_change_size || modify->fix[f]->box_change_shape)
+      refuse("box", "fix " + std::string(modify->fix[f]->id) + " (" + other + "), which changes it during a run",
+             "a box that stays as it is: the fluid's grid lies in it (unfix " + std::string(modify->fix[f]->id) + ")");
+    if (other.rfind("multisphere", 0) == 0 || other == "concave" || other.rfind("rigid", 0) == 0)
       refuse("group", "bodies of several spheres (fix " + other + ")",
              "single spheres: drag on bodies is not modelled");
     for (const char* fluid : {"buoyancy", "couple/cfd", "lb/coupling"})
@@ -316,17 +322,6 @@ void FixTwogrid::check_region_faces() {
     }
 }
 
-/// Groups whose particles some fix moves, and groups that a fix freezes.
-void FixTwogrid::find_motion() {
-  moving_groups_ = frozen_groups_ = 0;
-  for (int f = 0; f < modify->nfix; ++f) {
-    if (modify->fmask[f] & FixConst::INITIAL_INTEGRATE) moving_groups_ |= modify->fix[f]->groupbit;
-    if (std::string(modify->fix[f]->style) == "freeze") frozen_groups_ |= modify->fix[f]->groupbit;
-  }
-  still_ = moving_groups_ == 0;
-  if (moving_groups_ & 1) moving_groups_ = ~0;  // group all
-}
-
 /// Whether something may look at per-atom values between outputs: any fix that isn't known not to.
 void FixTwogrid::find_watchers() {
   static const char* const blind[] = {"twogrid",
@@ -347,10 +342,46 @@ void FixTwogrid::find_watchers() {
     });
 }
 
+/// The fluid's grid was made for a box; it can't follow another.
+void FixTwogrid::check_box() const {
+  const BoxFacts now = box_facts();
+  for (int d = 0; d < 3; ++d) {
+    const std::string side(1, "xyz"[d]);
+    const std::string remedy =
+        ": give change_box before the first run of fix " + std::string(id) + ", or unfix it and define it anew";
+    if (now.periodic[d] != box_.periodic[d])
+      refuse("box",
+             "direction " + side + (now.periodic[d] ? " periodic, which it was not" : " not periodic, which it was") +
+                 " when the fluid's grid was made",
+             "the boundary as it was" + remedy);
+    if (now.bounds[2 * d] != box_.bounds[2 * d] || now.bounds[2 * d + 1] != box_.bounds[2 * d + 1])
+      refuse("box", side + " from " + text(now.bounds[2 * d]) + " to " + text(now.bounds[2 * d + 1]) + " m",
+             text(box_.bounds[2 * d]) + " to " + text(box_.bounds[2 * d + 1]) +
+                 ", for which the fluid's grid was made" + remedy);
+  }
+}
+
+/// Later runs: what has come to be worth a warning since the scene report.
+void FixTwogrid::look_at_scene() {
+  std::vector<std::string> now = motion_.warnings;
+  if (started_) {
+    const SceneFacts facts = scene_facts(*lmp, groupbit);
+    Settings& s = script_.settings;
+    for (const std::string& w : scene_warnings(s, fluid_->grid(), facts, scene_numbers(s, fluid_->grid(), facts)))
+      now.push_back(w);
+  }
+  for (const std::string& w : now)
+    if (std::find(said_.begin(), said_.end(), w) == said_.end()) {
+      warn(w);
+      said_.push_back(w);
+    }
+}
+
 void FixTwogrid::init() {
   guarded([&] {
     refuse_what_cannot_be_served();
-    find_motion();
+    if (fluid_) check_box();
+    motion_ = find_motion(*lmp, *this);
     find_watchers();
     if (!(update->dt > 0)) refuse("timestep", text(update->dt), "a DEM step above 0 (s)");
     if (chosen_skin_ > 0) neighbor->skin = chosen_skin_;  // whatever the script has said since
@@ -367,6 +398,7 @@ void FixTwogrid::init() {
       }
     check_region_faces();
     fluid_->settings().check_flow(fluid_->grid());  // inlets may have changed since the last run
+    look_at_scene();
   });
 }
 
@@ -378,7 +410,7 @@ void FixTwogrid::build() {
   const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));
   s.fluid.check_flow(grid);
   SceneFacts facts = scene_facts(*lmp, groupbit);
-  facts.still = still_;
+  facts.still = motion_.still;
   if (best_skin_option()) choose_skin(facts);
   if (script_.every_auto) s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
   if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
@@ -403,6 +435,8 @@ void FixTwogrid::build() {
     warn("the restart file holds what a fix twogrid of ID " + id_in_restart_ +
          " knew of the particles, which this fix can't take over: give it that ID, or it begins anew; the fluid starts "
          "from 'initial u' at time 0 in any case");
+  said_ = scene_warnings(s, grid, facts, scene_numbers(s, grid, facts));
+  box_ = box_facts();
   if (state_->recent_restart)
     warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }
@@ -493,10 +527,12 @@ Particles FixTwogrid::particles() {
   p.tag = atom->tag;
   p.mask = atom->mask;
   p.group = groupbit;
-  p.moving = moving_groups_;
-  p.frozen = frozen_groups_;
-  p.still = still_;
-  p.watched = watchers_ || still_ || update->ntimestep == output->next || update->ntimestep == update->laststep ||
+  for (int d = 0; d < 3; ++d)
+    p.moving[d] = motion_.moving[d], p.fixed[d] = motion_.fixed[d], p.frozen[d] = motion_.frozen[d];
+  p.still = motion_.still;
+  p.growing = motion_.grows;
+  p.watched = watchers_ || motion_.still || update->ntimestep == output->next ||
+              update->ntimestep == update->laststep ||
               (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_);
   p.state = state_->array_atom;
   p.step = step_->array_atom;
@@ -540,11 +576,24 @@ void FixTwogrid::setup(int) {
   });
 }
 
+void FixTwogrid::refuse_without_set_up() const {
+  if (!set_up_)
+    refuse("run", "'pre no' after fix or fix_modify twogrid",
+           "a run with set-up, which is LIGGGHTS' default: leave 'pre no' out");
+}
+
+/// run ... pre no begins without set-up.
+void FixTwogrid::pre_initial_integrate() {
+  guarded([&] {
+    refuse_without_set_up();
+    if (!coupling_->resting()) return;
+    Particles p = particles();
+    coupling_->start(p, update->dt);
+  });
+}
+
 void FixTwogrid::pre_force(int) {
   guarded([&] {
-    if (!set_up_)
-      refuse("run", "'pre no' after fix or fix_modify twogrid",
-             "a run with set-up, which is LIGGGHTS' default: leave 'pre no' out");
     ++steps_since_coupling_;
     time_since_coupling_ += update->dt;
     coupled_now_ = compiled::kAccuracy && accuracy_.on() && script_.every_auto
@@ -552,9 +601,9 @@ void FixTwogrid::pre_force(int) {
                        : update->ntimestep % script_.settings.every == 0;
     if (coupled_now_) couple();
     // Nothing moves: between couplings and outputs every step is the one before, contacts included.
-    quiet_ = compiled::kHeld && still_ && !coupled_now_ && update->ntimestep != output->next &&
+    quiet_ = compiled::kHeld && motion_.still && !coupled_now_ && update->ntimestep != output->next &&
              modify->n_end_of_step == 1 && update->ntimestep != update->laststep;
-    if (still_) skip_pair(*update->integrate, quiet_, force->pair && force->pair->compute_flag);
+    if (motion_.still) skip_pair(*update->integrate, quiet_, force->pair && force->pair->compute_flag);
   });
 }
 
@@ -651,7 +700,12 @@ void FixTwogrid::end_of_step() {
   if (quiet_) return;
   Particles moved = particles();
   coupling_->finish_step(moved);
-  if (!coupled_now_) return;
+  if (coupled_now_) end_coupling();
+  // Before other fixes' post_run, which may change particles.
+  if (update->ntimestep == update->laststep) guarded([&] { coupling_->rest(moved); });
+}
+
+void FixTwogrid::end_coupling() {
   coupled_now_ = false;
   guarded([&] {
     if (output_) {
@@ -686,6 +740,8 @@ void FixTwogrid::post_run() {
       say(shares_text(MPI_Wtime() - wall_begin_, sum[5], Shares{sum[0], sum[1], sum[2], sum[3], sum[4]}) + "\n");
     warn_of_unused_options("-", "");
     if (accuracy_.on()) say(accuracy_text(accuracy_) + "\n");
+    Particles p = particles();
+    coupling_->rest(p);
   });
 }
 
@@ -706,7 +762,8 @@ double FixTwogrid::compute_vector(int i) {
                                      r.coupling_error,
                                      double(script_.settings.every),
                                      r.inserted_total,
-                                     r.vanished_total};
+                                     r.vanished_total,
+                                     r.grown_total};
   return value[i];
 }
 

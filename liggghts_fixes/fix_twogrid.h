@@ -1,13 +1,14 @@
 // fix ID group twogrid: hands LIGGGHTS' particles to the coupling and tells it when to act. No physics here.
 //
-//   run begins   setup          first time: deposit and read; every time: forces of the fluid on the particles
+//   run begins   setup          first time: deposit and read; later: what commands have changed; forces of the fluid on
+//                               the particles
 //   each rebuild pre_exchange   borders between ranks follow the particles (balance.h)
 //   each step    pre_force      at steps that are multiples of `every` (of the absolute step number, so that run
 //                               boundaries don't shift the phase): the fluid advances over the steps done since the
 //                               last coupling
 //                post_force     drag and pressure gradient force; this fix comes after all fixes that add forces
 //                               (fix_order.h)
-//                end_of_step    frames, means and the progress line, at couplings
+//                end_of_step    frames, means and the progress line, at couplings; at the last step the coupling rests
 //   run ends     post_run       means written, shares of time
 //
 // f_ID is a per-atom array: drag 1-3 (N), pressure gradient force 4-6 (N), eps 7, fluid velocity 8-10 (m/s); it is the
@@ -30,6 +31,7 @@
 #include "coupling/coupling.h"
 #include "coupling/output/output.h"
 #include "coupling_watch.h"
+#include "motion.h"
 #include "progress.h"
 #include "script_parser.h"
 
@@ -56,6 +58,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void setup_pre_exchange() override { pre_exchange(); }
   void pre_exchange() override;
   void setup(int) override;
+  void pre_initial_integrate() override;
   void pre_force(int) override;
   void post_force(int) override;
   void end_of_step() override;
@@ -73,13 +76,15 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   auto guarded(F&& f) -> decltype(f());
   LAMMPS_NS::FixPropertyAtom* keep_with_particles(const std::string& what, int columns);
   void refuse_what_cannot_be_served() const;
+  void refuse_without_set_up() const;
   BoxFacts box_facts() const;
   Vec3 velocity_now(int side, std::size_t condition) const;
   double equal_style(const std::string& variable, const std::string& keyword) const;
   void resolve_names();
   void check_region_faces();
-  void find_motion();
   void find_watchers();
+  void check_box() const;
+  void look_at_scene();
   void build();
   void choose_skin(SceneFacts& facts);
   bool prompt_lists() const;
@@ -88,6 +93,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void open_output();
   Particles particles();
   void couple();
+  void end_coupling();
   void adjust_steps();
   void watch_coupling();
   void warn_of_unused_options(const std::string& beginning, const std::string& but);
@@ -116,14 +122,15 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   int steps_since_coupling_ = 0;  // DEM steps that the particles have run since the last coupling
   double time_since_coupling_ = 0;
   bool coupled_now_ = false;  // this step is a coupling
-  int moving_groups_ = ~0, frozen_groups_ = 0;
   bool gravity_varies_ = false;
-  bool still_ = false;        // no fix of this run moves particles
+  Motion motion_;             // of this run
   bool watchers_ = true;      // see find_watchers()
   bool quiet_ = false;        // this step changes nothing
   double last_interval_ = 0;  // s, of the last coupling
   long long next_frame_ = 0;  // step from which on a frame is due
 
+  BoxFacts box_;                        // for which the fluid was made
+  std::vector<std::string> said_;       // warnings about the scene, so far
   long long particles_before_ = -1;     // at the last coupling of this run; -1: none yet
   long long lost_ = 0, lost_said_ = 0;  // particles that vanished; of these, said in a warning
   CouplingWatch watch_;

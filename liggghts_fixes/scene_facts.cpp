@@ -5,7 +5,9 @@
 #include <domain.h>
 #include <fix_gravity.h>
 #include <fix_mesh_surface.h>
+#include <fix_particledistribution_discrete.h>
 #include <fix_property_global.h>
+#include <fix_template_sphere.h>
 #include <fix_wall_gran.h>
 #include <force.h>
 #include <lammps.h>
@@ -49,8 +51,20 @@ void read_particles(LAMMPS& lammps, int groupbit, SceneFacts& facts) {
     facts.density = sum[2] / sum[3];
     return;
   }
-  // None yet: the sizes of insertion templates are known through the fixes.
-  double lo = 1e300, hi = 0;
+  // None yet: sizes and densities of insertion's templates are known, as expected values of what will be inserted.
+  double lo = 1e300, hi = 0, volume = 0, mass = 0;
+  int distributions = 0;
+  for (int f = 0; f < lammps.modify->nfix; ++f)
+    if (auto* mix = dynamic_cast<FixParticledistributionDiscrete*>(lammps.modify->fix[f])) {
+      volume += mix->vol_expect(), mass += mix->mass_expect();
+      ++distributions;
+    }
+  if (distributions == 0)
+    for (int f = 0; f < lammps.modify->nfix; ++f)
+      if (auto* ball = dynamic_cast<FixTemplateSphere*>(lammps.modify->fix[f])) {
+        volume += ball->volexpect(), mass += ball->massexpect();
+        ++distributions;
+      }
   for (int f = 0; f < lammps.modify->nfix; ++f)
     for (int type = 1; type <= atom.ntypes; ++type) {
       const double a = lammps.modify->fix[f]->min_rad(type), b = lammps.modify->fix[f]->max_rad(type);
@@ -61,6 +75,10 @@ void read_particles(LAMMPS& lammps, int groupbit, SceneFacts& facts) {
     facts.d_min = 2 * std::min(lo, hi);
     facts.d_max = 2 * hi;
     facts.d_mean = 0.5 * (facts.d_min + facts.d_max);
+    if (volume > 0 && mass > 0) {
+      facts.density = mass / volume;
+      facts.d_mean = std::clamp(std::cbrt(6 / M_PI * volume / distributions), facts.d_min, facts.d_max);
+    }
   }
 }
 
