@@ -4,8 +4,10 @@ namespace twogrid {
 namespace {
 
 constexpr Method kMethods[] = {
-    {"smooth", Deposit::kExact, Prolong::kConstant, Read::kTrilinear, false, nullptr,
-     "two-grid; the default: quiet as steps shrink and in liquids, least scatter of the drag"},
+    {"smooth", Deposit::kTrilinear, Prolong::kConstant, Read::kTrilinear, false, nullptr,
+     "two-grid; the default: quiet in gas and in liquids however short the step, least scatter of the drag"},
+    {"sharp", Deposit::kExact, Prolong::kConstant, Read::kTrilinear, false, nullptr,
+     "two-grid; the void fraction of a bed's last cells is not spread beyond its end: for thin beds"},
     {"paper", Deposit::kCentroid, Prolong::kConstant, Read::kCell, false, nullptr, "two-grid: Deb & Tafti 2013"},
     {"jets", Deposit::kExact, Prolong::kConstant, Read::kFineTrilinear, false, nullptr,
      "two-grid; particles feel jets finer than a particle cell"},

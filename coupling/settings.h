@@ -42,7 +42,7 @@ struct Settings {
   Formulation formulation = Formulation::kB;
   std::string method = "smooth";  ///< the named method (methods.h) that deposit, prolong and read come from
   bool one_grid = false;          ///< it sees the particles on the fine cells: ratio must be 1 1 1
-  Deposit deposit = Deposit::kExact;
+  Deposit deposit = Deposit::kTrilinear;
   Prolong prolong = Prolong::kConstant;
   Read read = Read::kTrilinear;
   double kernel_width = 0;  ///< read kernel: full width (m)
