@@ -400,9 +400,9 @@ void FluidSolver::replace(const CellField<FineGrid>& now, bool same_flux) {
   const auto by_eps = [&](bool times) {
     for (int d = 0; d < 3; ++d)
       for_each(faces_[d], [&](int i, int j, int k) {
-        const double now = eps_f_[d](i, j, k), before = momentum_.face_mean(eps_[1], d, i, j, k);
-        u_[d](i, j, k) *= times ? now : 1 / now;
-        u_old_[d](i, j, k) *= times ? before : 1 / before;
+        const double now = state_.eps_f[d](i, j, k), before = momentum_.face_mean(state_.eps[1], d, i, j, k);
+        state_.u[d](i, j, k) *= times ? now : 1 / now;
+        state_.u_old[d](i, j, k) *= times ? before : 1 / before;
       });
   };
   if (same_flux) by_eps(true);
@@ -416,9 +416,10 @@ void FluidSolver::replace(const CellField<FineGrid>& now, bool same_flux) {
   set_face_eps();
   if (!same_flux) return;
   by_eps(false);
-  boundaries_.apply_normal(u_);
-  fill(u_);
-  fill(u_old_);
+  boundaries_.apply_normal(state_.u);
+  fill(state_.u);
+  fill(state_.u_old);
+  state_.dt_older = 0;  // u^{n-2} is not carried over
 }
 
 void FluidSolver::previous_level() {
