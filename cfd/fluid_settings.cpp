@@ -1,11 +1,11 @@
-#include "fluid_settings.h"
+#include "cfd/fluid_settings.h"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
-#include "patches.h"
+#include "cfd/boundary/patches.h"
 
 namespace twogrid {
 

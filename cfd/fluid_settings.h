@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "box.h"
-#include "grid.h"
+#include "cfd/grid/box.h"
+#include "cfd/grid/grid.h"
 
 namespace twogrid {
 

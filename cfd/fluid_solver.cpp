@@ -1,14 +1,13 @@
-#include "fluid_solver.h"
+#include "cfd/fluid_solver.h"
 
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
-#include "compiled.h"
-#include "pressure_solver.h"
-#include "reduction.h"
-#include "vectorised.h"
-#include "viscous_solver.h"
+#include "cfd/momentum/viscous_solver.h"
+#include "cfd/parallel/reduction.h"
+#include "cfd/parallel/vectorised.h"
+#include "cfd/pressure/pressure_solver.h"
 
 namespace twogrid {
 
@@ -216,7 +215,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
       predict(step, exchange);
       project(step, exchange, report);
       correct();
-      if (compiled::kFlowRate) hold_flow_rate(exchange);
+      hold_flow_rate(exchange);
       const double cfl = courant_rate(u_next_) * step.dt;
       if (!std::isfinite(cfl)) {
         std::ostringstream text;
@@ -523,7 +522,7 @@ void FluidSolver::predict(const Step& step, const Interphase& exchange) {
   boundaries_.set_outlet_pressure(u_tilde_, rho);
   boundaries_.apply_pressure(state_.p);
 
-  const bool gap = compiled::kGapFriction && settings_.gap_friction;
+  const bool gap = settings_.gap_friction;
   double friction = 0;  // of the walls of a one-cell gap, 12 mu/W^2
   for (int d = 0; gap && d < 3; ++d)
     if (!boundaries_.component_solved(d)) friction = 12 * mu / (grid_.axis[d].length() * grid_.axis[d].length());
@@ -591,8 +590,9 @@ TWOGRID_VECTORISED void FluidSolver::missing_continuity(double& scale, double& s
       const double x0 = ex[i] * ux[i], x1 = ex[i + 1] * ux[i + 1];
       const double y0 = ey[i] * uy[i], y1 = ey[i + sy] * uy[i + sy];
       const double z0 = ez[i] * uz[i], z1 = ez[i + sz] * uz[i + sz];
-      const double dilation = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i];
-      b[i] = (x1 - x0) * (wy * wz) + (y1 - y0) * (wz * wx[i]) + (z1 - z0) * (wx[i] * wy) + dilation * (wx[i] * wy * wz);
+      const double void_fraction_rate = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i];
+      b[i] = (x1 - x0) * (wy * wz) + (y1 - y0) * (wz * wx[i]) + (z1 - z0) * (wx[i] * wy) +
+             void_fraction_rate * (wx[i] * wy * wz);
       total[i] += b[i];
       const double x = std::max(std::abs(x0), std::abs(x1)), y = std::max(std::abs(y0), std::abs(y1)),
                    z = std::max(std::abs(z0), std::abs(z1));
@@ -808,12 +808,12 @@ TWOGRID_VECTORISED void FluidSolver::largest_imbalance(double& worst, double& di
     const double *e0 = state_.eps[0].data() + m, *e1 = state_.eps[1].data() + m, *e2 = state_.eps[2].data() + m;
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
-      const double dilation = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i] - rate.excess;
+      const double void_fraction_rate = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i] - rate.excess;
       const double r = (ex[i + 1] * ux[i + 1] - ex[i] * ux[i]) * ix[i] +
                        (ey[i + sy] * uy[i + sy] - ey[i] * uy[i]) * iy + (ez[i + sz] * uz[i + sz] - ez[i] * uz[i]) * iz +
-                       dilation;
+                       void_fraction_rate;
       most[i] = std::max(most[i], std::abs(r) * h);
-      total[i] += dilation * area;
+      total[i] += void_fraction_rate * area;
     }
   });
   for (int i = 0; i < n; ++i) {

@@ -25,12 +25,12 @@
 #include <functional>
 #include <memory>
 
-#include "block_exchange.h"
-#include "boundary.h"
-#include "fluid.h"
-#include "fluid_settings.h"
-#include "fluid_state.h"
-#include "momentum.h"
+#include "cfd/boundary/boundaries.h"
+#include "cfd/fluid/fluid.h"
+#include "cfd/fluid/fluid_state.h"
+#include "cfd/fluid_settings.h"
+#include "cfd/momentum/momentum.h"
+#include "cfd/parallel/block_exchange.h"
 
 namespace twogrid {
 
@@ -57,7 +57,9 @@ class FluidSolver : public Fluid {
   double time() const override { return state_.time; }
   bool knows_last_step() const override { return true; }
   double flux(int d, int i, int j, int k) const override { return state_.eps_f[d](i, j, k) * state_.u[d](i, j, k); }
-  double dilation(int i, int j, int k) const override { return state_.rate.at(state_.eps, state_.p.index(i, j, k)); }
+  double void_fraction_rate(int i, int j, int k) const override {
+    return state_.rate.at(state_.eps, state_.p.index(i, j, k));
+  }
 
   void start(const CellField<FineGrid>& eps) override;
   FluidReport advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) override;

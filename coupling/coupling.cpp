@@ -1,4 +1,4 @@
-#include "coupling.h"
+#include "coupling/coupling.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,19 +6,18 @@
 #include <stdexcept>
 #include <vector>
 
-#include "../cfd/compiled.h"
-#include "../cfd/reduction.h"
-#include "deposit.h"
-#include "drag.h"
-#include "eps_bound.h"
-#include "kick_and_read.h"
-#include "ledger.h"
-#include "mean_motion.h"
-#include "read.h"
-#include "residual.h"
-#include "step_forces.h"
-#include "void_history.h"
-#include "wrap_up.h"
+#include "cfd/parallel/reduction.h"
+#include "coupling/forces/drag.h"
+#include "coupling/forces/gather_fluid.h"
+#include "coupling/forces/interval_end.h"
+#include "coupling/forces/mean_motion.h"
+#include "coupling/forces/step_forces.h"
+#include "coupling/forces/undisturbed_force.h"
+#include "coupling/particles/ledger.h"
+#include "coupling/two_grid/reader.h"
+#include "coupling/void_fraction/solid_limit.h"
+#include "coupling/void_fraction/void_history.h"
+#include "coupling/void_fraction/volume_deposit.h"
 
 namespace twogrid {
 
@@ -126,7 +125,7 @@ class Coupling::Impl {
   void complete_drag(const Particles& p, double interval);
   double deviation_response(const Particles& p, int i) const;
   void check_reaction(double interval);
-  void take(Particles& p, double interval);
+  void gather_fluid(Particles& p, double interval);
   void choose_pressure_force(Particles& p, bool sizes_differ);
   void add_pressure_of_drag(Particles& p);
   void choose_hold(double drag_number);
@@ -136,7 +135,7 @@ class Coupling::Impl {
   MeanMotion& motion();
 
   void find_inside();
-  bool formulation_A() const { return compiled::kFormulationA && settings_.formulation == Formulation::kA; }
+  bool formulation_A() const { return settings_.formulation == Formulation::kA; }
 
   MPI_Comm comm_;
   Settings settings_;
@@ -149,20 +148,20 @@ class Coupling::Impl {
   double cell_width_ = 0;   // smallest mean width of a particle cell, directions of one cell left out (m)
   VolumeDeposit volume_deposit_;
   SolidLimit limit_;
-  Inject inject_;
+  Prolongation prolongation_;
   Reader reader_;
   std::unique_ptr<MeanMotion> motion_;  // made when first needed
 
   // State: what one interval leaves to the next, apart from the particles' own columns.
   VoidHistory history_;
-  Residual residual_;        // formulation A only
-  double known_volume_ = 0;  // of the particles at the last coupling (m3)
+  UndisturbedForce undisturbed_;  // formulation A only
+  double known_volume_ = 0;       // of the particles at the last coupling (m3)
   bool started_ = false, holding_ = false;
   bool pressure_force_ = false;  // particles feel V_p D/eps as a force of its own
-  bool resting_ = false;      // between runs
-  bool any_changed_ = false;  // by commands between runs, since the last coupling
-  double grown_ = 0;          // volume that this rank's particles have gained since the last coupling (m3)
-  bool covered_ = true;       // all particles of this rank are where they may be
+  bool resting_ = false;         // between runs
+  bool any_changed_ = false;     // by commands between runs, since the last coupling
+  double grown_ = 0;             // volume that this rank's particles have gained since the last coupling (m3)
+  bool covered_ = true;          // all particles of this rank are where they may be
 
   // Fields of this coupling.
   Array3<long long> solid_, inserted_;
@@ -208,7 +207,7 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
       nodes_(fluid.grid(), settings.ratio),
       volume_deposit_(comm, nodes_, node_layout(fluid.layout(), nodes_), region, settings.deposit, settings.cube_edge),
       limit_(comm, nodes_, node_layout(fluid.layout(), nodes_), settings.bound, settings.eps_min),
-      inject_(comm, fluid.grid(), fluid.layout(), nodes_, settings.prolong, settings.eps_min),
+      prolongation_(comm, fluid.grid(), fluid.layout(), nodes_, settings.prolong, settings.eps_min),
       reader_(comm, fluid, reads_fine_cells(settings.read) ? ParticleGrid(fluid.grid(), {1, 1, 1}) : nodes_, region,
               settings.read, read_width(settings)) {
   int rank = 0;
@@ -218,7 +217,7 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
   solid_.reset(own_nodes);
   eps_node_.reset(grown_unless_empty(own_nodes, 1), 1.0);
   if (formulation_A()) {
-    residual_ = Residual(comm_, fluid_);
+    undisturbed_ = UndisturbedForce(comm_, fluid_);
     fluid_.keep_pressure_gradient();
   }
   read_length_ = read_width(settings_);
@@ -266,7 +265,7 @@ void Coupling::Impl::start(Particles& p, double dem_dt) {
   deposit(p);
   fluid_.start(history_.next());
   history_.start();
-  take(p, settings_.every * dem_dt);
+  gather_fluid(p, settings_.every * dem_dt);
   for (int i : inside_) p.state[i][kRestRadius] = p.radius[i];
   // Columns of forces hold what was applied last: nothing yet.
   for (int i : inside_)
@@ -288,7 +287,6 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
   const double interval = steps * dem_dt;
   find_particles(p);
   end_interval(p, interval, dem_dt);
-  check = compiled::kAccuracy && check;
   if (check) remember_forces(p);
   deposit(p);
   const CellField<FineGrid>* replaced = replacement(p);
@@ -307,7 +305,7 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
   }
   if (!settings_.one_way) check_reaction(interval);
   history_.commit();
-  take(p, interval);
+  gather_fluid(p, interval);
   if (check) {
     report_.step_error = fluid.step_error;
     compare_forces(p);
@@ -380,7 +378,7 @@ void Coupling::Impl::end_interval(Particles& p, double interval, double dem_dt) 
   Stopwatch watch(shares_.map);
   IntervalEnd end{interval, repeated_ * dem_dt, history_.extrapolation(interval), nullptr};
   repeated_ = 0;
-  if (compiled::kHold && holding_) {
+  if (holding_) {
     motion().update(p);
     change_.assign(inside_.size(), {0, 0, 0});
     Vec3 pressure;
@@ -389,7 +387,7 @@ void Coupling::Impl::end_interval(Particles& p, double interval, double dem_dt) 
     end.change = change_.data();
   }
   Survey mine;
-  wrap_up(p, inside_, end, drag_, flux_velocity_, mine);
+  end_of_interval(p, inside_, end, drag_, flux_velocity_, mine);
   reader_.find(p, inside_, places_);
   for (int i : leaving_)
     for (int d = 0; d < 3; ++d) {
@@ -502,7 +500,7 @@ void Coupling::Impl::deposit(const Particles& p) {
     eps_min_ = std::min(eps_min_, eps);
   });
   if (limited.unplaced > 0) check_room();  // else no node is above the bound
-  inject_(eps_node_, fine);
+  prolongation_(eps_node_, fine);
   int rank = 0;
   MPI_Comm_rank(comm_, &rank);
   const FineGrid& grid = fluid_.grid();
@@ -588,8 +586,8 @@ void Coupling::Impl::go_on(Particles& p) {
   if (largest < 1e-9) return;
   CellField<FineGrid>& after = history_.next();  // free until the next coupling
   if (!any_changed_) changed_cells_.reset(after.box());
-  inject_(rest_eps_, replaced_cells_);
-  inject_(eps, after);
+  prolongation_(rest_eps_, replaced_cells_);
+  prolongation_(eps, after);
   for (std::size_t m = 0; m < after.size(); ++m)
     changed_cells_.data()[m] += after.data()[m] - replaced_cells_.data()[m];
   any_changed_ = true;
@@ -613,7 +611,7 @@ const CellField<FineGrid>* Coupling::Impl::replacement(const Particles& p) {
   for_each(inserted_.box(), [&](int i, int j, int k) {
     replaced_(i, j, k) = 0 - scale.value(inserted_(i, j, k)) / nodes_.volume(i, j, k);
   });
-  inject_.constant(replaced_, replaced_cells_);
+  prolongation_.constant(replaced_, replaced_cells_);
   if (any_changed_)
     for (std::size_t m = 0; m < replaced_cells_.size(); ++m) replaced_cells_.data()[m] += changed_cells_.data()[m];
   any_changed_ = false;
@@ -742,7 +740,7 @@ void Coupling::Impl::check_reaction(double interval) {
 }
 
 /// The kick, and what particles read for the next interval.
-void Coupling::Impl::take(Particles& p, double interval) {
+void Coupling::Impl::gather_fluid(Particles& p, double interval) {
   Stopwatch watch(shares_.map);
   const bool A = formulation_A(), kick = started_ && !settings_.one_way;
   const CellField<FineGrid>& fine = history_.now();
@@ -756,14 +754,13 @@ void Coupling::Impl::take(Particles& p, double interval) {
       double sums[2] = {0, 0}, all[2];
       for (int i : inside_) sums[0] += p.mass[i], sums[1] += sphere_volume(p.radius[i]);
       MPI_Allreduce(sums, all, 2, MPI_DOUBLE, MPI_SUM, comm_);
-      residual_.update(fluid_, fine, exchange_, all[1] > 0 ? all[0] / all[1] : fluid_.density());
+      undisturbed_.update(fluid_, fine, exchange_, all[1] > 0 ? all[0] / all[1] : fluid_.density());
     }
-    groups.push_back({&residual_.field()});
+    groups.push_back({&undisturbed_.field()});
   }
   reader_.load(groups);
   const double smallest = -extremes_.minus_radius;
-  const bool polydisperse =
-      compiled::kPolydisperse && report_.particles > 0 && extremes_.radius > smallest * (1 + 1e-9);
+  const bool polydisperse = report_.particles > 0 && extremes_.radius > smallest * (1 + 1e-9);
   choose_pressure_force(p, polydisperse);
   if (polydisperse) {
     motion().average_diameters(p, inside_, extremes_.radius, terms_);
@@ -771,11 +768,11 @@ void Coupling::Impl::take(Particles& p, double interval) {
     for (std::size_t q = 0; q < inside_.size(); ++q)
       size_ratio_[q] = 2 * p.radius[inside_[q]] / motion().diameter(p.x[inside_[q]]);
   }
-  Taken mine;
-  kick_and_read(p, inside_, drag_,
-                {reader_, places_, law_, forces_, fluid_.density(), fluid_.viscosity(), interval, read_length_, kick,
-                 kick && mean != now, A, !pressure_force_, polydisperse ? size_ratio_.data() : nullptr},
-                mine);
+  GatherMaxima mine;
+  correct_and_gather(p, inside_, drag_,
+                     {reader_, places_, law_, forces_, fluid_.density(), fluid_.viscosity(), interval, read_length_,
+                      kick, kick && mean != now, A, !pressure_force_, polydisperse ? size_ratio_.data() : nullptr},
+                     mine);
   for (int d = 0; d < 3; ++d) ledger_.action[d] += mine.kick[d].value();
   ledger_.magnitude += mine.kick_size;
   for (int i : leaving_) set_outside(p, i);
@@ -826,7 +823,7 @@ void Coupling::Impl::add_pressure_of_drag(Particles& p) {
 
 void Coupling::Impl::choose_hold(double drag_number) {
   report_.max_drag_number = drag_number;
-  if (!compiled::kHold || settings_.one_way || settings_.hold_flux == Choice::kOff)
+  if (settings_.one_way || settings_.hold_flux == Choice::kOff)
     holding_ = false;
   else if (settings_.hold_flux == Choice::kOn)
     holding_ = true;
@@ -894,9 +891,8 @@ void Coupling::Impl::close_ledger(double interval) {
 
 void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
   Stopwatch watch(shares_.force);
-  const bool hold = compiled::kHold && holding_;
-  if (hold) motion().update(p);
-  forces_(p, dem_dt, accumulate, hold ? &motion() : nullptr);
+  if (holding_) motion().update(p);
+  forces_(p, dem_dt, accumulate, holding_ ? &motion() : nullptr);
 }
 
 Coupling::Coupling(MPI_Comm comm, const Settings& settings, Fluid& fluid, const Vec3& sub_lo, const Vec3& sub_hi,

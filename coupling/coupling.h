@@ -22,8 +22,8 @@
 #include <memory>
 #include <string>
 
-#include "particles.h"
-#include "settings.h"
+#include "coupling/particles/particles.h"
+#include "coupling/settings.h"
 
 namespace twogrid {
 

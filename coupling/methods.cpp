@@ -1,4 +1,4 @@
-#include "methods.h"
+#include "coupling/methods.h"
 
 namespace twogrid {
 namespace {

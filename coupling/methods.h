@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "settings.h"
+#include "coupling/settings.h"
 
 namespace twogrid {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "../cfd/fluid_settings.h"
+#include "cfd/fluid_settings.h"
 
 namespace twogrid {
 

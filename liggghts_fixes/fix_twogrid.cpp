@@ -1,4 +1,4 @@
-#include "fix_twogrid.h"
+#include "liggghts_fixes/fix_twogrid.h"
 
 #include <atom.h>
 #include <comm.h>
@@ -32,15 +32,14 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "cfd/compiled.h"
-#include "coupling/fluid_layout.h"
-#include "memory_need.h"
-#include "pair_switch.h"
-#include "petsc_session.h"
-#include "scene_facts.h"
-#include "scene_report.h"
-#include "signals.h"
-#include "words.h"
+#include "coupling/two_grid/fluid_layout.h"
+#include "liggghts_fixes/contacts/pair_switch.h"
+#include "liggghts_fixes/liggghts/scene_facts.h"
+#include "liggghts_fixes/report/memory_need.h"
+#include "liggghts_fixes/report/scene_report.h"
+#include "liggghts_fixes/run/petsc_session.h"
+#include "liggghts_fixes/run/signals.h"
+#include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
 
@@ -596,13 +595,12 @@ void FixTwogrid::pre_force(int) {
   guarded([&] {
     ++steps_since_coupling_;
     time_since_coupling_ += update->dt;
-    coupled_now_ = compiled::kAccuracy && accuracy_.on() && script_.every_auto
-                       ? steps_since_coupling_ >= accuracy_.every()
-                       : update->ntimestep % script_.settings.every == 0;
+    coupled_now_ = accuracy_.on() && script_.every_auto ? steps_since_coupling_ >= accuracy_.every()
+                                                        : update->ntimestep % script_.settings.every == 0;
     if (coupled_now_) couple();
     // Nothing moves: between couplings and outputs every step is the one before, contacts included.
-    quiet_ = compiled::kHeld && motion_.still && !coupled_now_ && update->ntimestep != output->next &&
-             modify->n_end_of_step == 1 && update->ntimestep != update->laststep;
+    quiet_ = motion_.still && !coupled_now_ && update->ntimestep != output->next && modify->n_end_of_step == 1 &&
+             update->ntimestep != update->laststep;
     if (motion_.still) skip_pair(*update->integrate, quiet_, force->pair && force->pair->compute_flag);
   });
 }
@@ -610,10 +608,10 @@ void FixTwogrid::pre_force(int) {
 void FixTwogrid::couple() {
   watch_particles(signal_seen());
   Particles p = particles();
-  const bool check = compiled::kAccuracy && accuracy_.due();
+  const bool check = accuracy_.due();
   coupling_begin_ = MPI_Wtime();
   coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_, check);
-  if (compiled::kAccuracy) accuracy_.count_coupling();
+  accuracy_.count_coupling();
   if (check) adjust_steps();
   watch_coupling();
   // The coupling has changed velocities. Ghosts must follow, or else the two sides of a contact across a border of

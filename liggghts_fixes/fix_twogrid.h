@@ -25,15 +25,15 @@
 #include <utility>
 #include <vector>
 
-#include "balance.h"
 #include "cfd/fluid_solver.h"
-#include "coupling/accuracy.h"
+#include "coupling/control/accuracy.h"
 #include "coupling/coupling.h"
 #include "coupling/output/output.h"
-#include "coupling_watch.h"
-#include "motion.h"
-#include "progress.h"
-#include "script_parser.h"
+#include "liggghts_fixes/liggghts/balance.h"
+#include "liggghts_fixes/liggghts/motion.h"
+#include "liggghts_fixes/report/coupling_watch.h"
+#include "liggghts_fixes/report/progress.h"
+#include "liggghts_fixes/script/script_parser.h"
 
 namespace LAMMPS_NS {
 class FixPropertyAtom;

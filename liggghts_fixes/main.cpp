@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "command_line.h"
-#include "end_run.h"
-#include "petsc_session.h"
-#include "signals.h"
-#include "style_registry.h"
+#include "liggghts_fixes/run/command_line.h"
+#include "liggghts_fixes/run/end_run.h"
+#include "liggghts_fixes/run/petsc_session.h"
+#include "liggghts_fixes/run/signals.h"
+#include "liggghts_fixes/style_registry.h"
 
 namespace {
 

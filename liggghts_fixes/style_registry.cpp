@@ -1,4 +1,4 @@
-#include "style_registry.h"
+#include "liggghts_fixes/style_registry.h"
 
 #include <input.h>
 #include <lammps.h>
@@ -10,24 +10,19 @@
 #include <utility>
 #include <vector>
 
-#include "fix_order.h"
-#include "fix_plane_wall.h"
-#include "fix_sphere_motion.h"
-#include "fix_twogrid.h"
-#include "fix_weight.h"
-#include "granular_contacts.h"
-#include "neighbours.h"
-#include "words.h"
+#include "liggghts_fixes/contacts/fix_plane_wall.h"
+#include "liggghts_fixes/contacts/fix_sphere_motion.h"
+#include "liggghts_fixes/contacts/fix_weight.h"
+#include "liggghts_fixes/contacts/granular_contacts.h"
+#include "liggghts_fixes/contacts/neighbours.h"
+#include "liggghts_fixes/fix_twogrid.h"
+#include "liggghts_fixes/liggghts/fix_order.h"
+#include "liggghts_fixes/private_member.h"
+#include "liggghts_fixes/script/words.h"
 
 namespace {
 
-// LIGGGHTS keeps its maps from style name to creator private. An explicit instantiation may name private members
-// ([temp.spec.general]), so that a template which takes the member pointer as an argument, and whose friend returns it,
-// reaches them without a change to any header.
-template <class Tag, typename Tag::type Member>
-struct Reach {
-  friend typename Tag::type member(Tag) { return Member; }
-};
+// LIGGGHTS' maps from style name to creator.
 
 using FixCreator = LAMMPS_NS::Fix* (*)(LAMMPS_NS::LAMMPS*, int, char**);
 using CommandCreator = void (*)(LAMMPS_NS::LAMMPS*, int, char**);
@@ -40,8 +35,8 @@ struct CommandMap {
   using type = std::map<std::string, CommandCreator>* LAMMPS_NS::Input::*;
   friend type member(CommandMap);
 };
-template struct Reach<FixMap, &LAMMPS_NS::Modify::fix_map>;
-template struct Reach<CommandMap, &LAMMPS_NS::Input::command_map>;
+template struct PrivateMember<FixMap, &LAMMPS_NS::Modify::fix_map>;
+template struct PrivateMember<CommandMap, &LAMMPS_NS::Input::command_map>;
 
 LAMMPS_NS::Fix* make_fix_twogrid(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
   return new twogrid::FixTwogrid(lammps, narg, arg);

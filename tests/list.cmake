@@ -1,7 +1,27 @@
 # The tests, by name.
 
-# Unit tests run whole on 1, 2, 4 and 8 ranks: what they check may not depend on the ranks.
-twogrid_test(NAME unit RANKS 1 2 4 8 TIMEOUT 200 LABELS unit COMMAND $<TARGET_FILE:unit_tests>)
+# Unit tests run on 1, 2, 4 and 8 ranks, for what they check may not depend on the ranks; an entry each of the files in
+# tests/unit, so that -R coupling/test_reader picks one. A file's suites are read off its TEST lines.
+file(GLOB_RECURSE UNIT_FILES RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/unit CONFIGURE_DEPENDS unit/*.cpp)
+foreach(file ${UNIT_FILES})
+  file(STRINGS unit/${file} lines REGEX "^TEST(_P|_F)?\\(")
+  set(suites)
+  foreach(line ${lines})
+    string(REGEX REPLACE "^TEST(_P|_F)?\\(([A-Za-z0-9_]+),.*" "\\2" suite "${line}")
+    list(APPEND suites "*${suite}.*")
+  endforeach()
+  list(REMOVE_DUPLICATES suites)
+  string(JOIN ":" filter ${suites})
+  string(REGEX REPLACE "\\.cpp$" "" name ${file})
+  # Without MPI there is nothing that ranks could change.
+  file(STRINGS unit/${file} parallel REGEX "MPI_|comm|coupling_fakes")
+  set(ranks 1)
+  if(parallel)
+    set(ranks 1 2 4 8)
+  endif()
+  twogrid_test(NAME unit/${name} RANKS ${ranks} TIMEOUT 200 LABELS unit
+               COMMAND $<TARGET_FILE:unit_tests> --gtest_filter=${filter})
+endforeach()
 twogrid_test(NAME verification RANKS 1 TIMEOUT 900 LABELS verification COMMAND $<TARGET_FILE:verification_tests>)
 # The orders of convergence don't depend on the ranks; the flows do not either, to the solver's tolerance.
 twogrid_test(NAME verification_flows RANKS 2 4 TIMEOUT 400 LABELS verification

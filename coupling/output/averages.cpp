@@ -1,10 +1,10 @@
-#include "averages.h"
+#include "coupling/output/averages.h"
 
 #include <cmath>
 #include <limits>
 
-#include "../../cfd/block_exchange.h"
-#include "hdf5_file.h"
+#include "cfd/parallel/block_exchange.h"
+#include "coupling/output/hdf5_file.h"
 
 namespace twogrid {
 

@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "../../cfd/fluid.h"
-#include "../particle_grid.h"
-#include "../particles.h"
+#include "cfd/fluid/fluid.h"
+#include "coupling/particles/particles.h"
+#include "coupling/two_grid/particle_grid.h"
 
 namespace twogrid {
 

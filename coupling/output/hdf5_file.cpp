@@ -1,4 +1,4 @@
-#include "hdf5_file.h"
+#include "coupling/output/hdf5_file.h"
 
 #include <fcntl.h>
 #include <hdf5.h>

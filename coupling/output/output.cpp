@@ -1,15 +1,15 @@
-#include "output.h"
+#include "coupling/output/output.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <stdexcept>
 
-#include "../../cfd/fluid.h"
-#include "../particle_grid.h"
-#include "averages.h"
-#include "hdf5_file.h"
-#include "xdmf.h"
+#include "cfd/fluid/fluid.h"
+#include "coupling/output/averages.h"
+#include "coupling/output/hdf5_file.h"
+#include "coupling/output/xdmf.h"
+#include "coupling/two_grid/particle_grid.h"
 
 namespace twogrid {
 
@@ -309,7 +309,7 @@ void Output::Impl::write_faces(Hdf5File& file, const std::string& at) {
   put_faces("u", [&](int d, int i, int j, int k) { return fluid_.velocity()[d](i, j, k); });
   if (!fluid_.knows_last_step()) return;
   put_faces("flux_", [&](int d, int i, int j, int k) { return fluid_.flux(d, i, j, k); });
-  put("deps_dt", n_, own_, "1/s", [&](int i, int j, int k) { return fluid_.dilation(i, j, k); });
+  put("deps_dt", n_, own_, "1/s", [&](int i, int j, int k) { return fluid_.void_fraction_rate(i, j, k); });
 }
 
 void Output::Impl::write_particles(Hdf5File& file, const std::string& at, const Particles& particles) {

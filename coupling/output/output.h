@@ -28,8 +28,8 @@
 #include <utility>
 #include <vector>
 
-#include "../particles.h"
-#include "../settings.h"
+#include "coupling/particles/particles.h"
+#include "coupling/settings.h"
 
 namespace twogrid {
 

@@ -1,4 +1,4 @@
-#include "xdmf.h"
+#include "coupling/output/xdmf.h"
 
 #include <cerrno>
 #include <cstdio>

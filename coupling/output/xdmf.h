@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "../../cfd/box.h"
+#include "cfd/grid/box.h"
 
 namespace twogrid {
 

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <random>
 
-#include "tests/unit/coupling_fakes.h"
+#include "tests/unit/coupling/coupling_fakes.h"
 
 namespace twogrid_test {
 namespace {

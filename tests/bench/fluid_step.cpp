@@ -16,7 +16,7 @@
 #include <memory>
 
 #include "cfd/fluid_solver.h"
-#include "cfd/pressure_solver.h"
+#include "cfd/pressure/pressure_solver.h"
 
 namespace twogrid {
 namespace {

@@ -1,17 +1,17 @@
 // Formulation A as it runs: the fluid sees all of grad p, and the particles' pressure force comes back as a source. As
-// the coupling does it (coupling/residual.h, Coupling::Impl::rebuild_pressure_force), with particles that read at every
+// the coupling does it (coupling/forces/undisturbed_force.h, Coupling::Impl::rebuild_pressure_force), with particles that read at every
 // face by itself: force on them per volume beta (u - v) + eps_s (R + D/eps), D = beta (u - v), R from the interval
 // before. So the tests that use this see what a user's run has, its order in time, too: the first in the interval.
 #pragma once
 
-#include "cfd_box.h"
-#include "coupling/residual.h"
+#include "coupling/forces/undisturbed_force.h"
+#include "tests/verification/cfd_box.h"
 
 namespace twogrid {
 
 class FormulationA {
  public:
-  explicit FormulationA(CfdBox& box) : box_(box), residual_(box.comm(), *box.fluid), eps_f_(box.face_field()) {
+  explicit FormulationA(CfdBox& box) : box_(box), undisturbed_(box.comm(), *box.fluid), eps_f_(box.face_field()) {
     box.fluid->keep_pressure_gradient();
     for (auto* x : {&reaction_, &exchange_}) x->source = x->beta = box.face_field();
   }
@@ -24,7 +24,7 @@ class FormulationA {
     for (int d = 0; d < 3; ++d)
       for_each(box_.faces(d), [&](int i, int j, int k) {
         const double e = eps_f_[d](i, j, k);
-        double source = -(1 - e) * residual_.field()[d](i, j, k);
+        double source = -(1 - e) * undisturbed_.field()[d](i, j, k);
         if (beta[d].size() > 0) {
           reaction_.beta[d](i, j, k) = exchange_.beta[d](i, j, k) = beta[d](i, j, k) / e;
           if (beta_v[d].size() > 0) source += beta_v[d](i, j, k) / e;
@@ -35,13 +35,13 @@ class FormulationA {
     return exchange_;
   }
   /// The interval is over.
-  void read() { residual_.update(*box_.fluid, box_.eps_end, reaction_, kHeavy * box_.fluid->density()); }
+  void read() { undisturbed_.update(*box_.fluid, box_.eps_end, reaction_, kHeavy * box_.fluid->density()); }
 
  private:
   static constexpr double kHeavy = 1000;  // particles in a gas
 
   CfdBox& box_;
-  Residual residual_;
+  UndisturbedForce undisturbed_;
   FaceField<FineGrid> eps_f_;
   Interphase reaction_, exchange_;  // without and with what drives the fluid beside the particles
 };

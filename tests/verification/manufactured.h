@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "cfd/box.h"
+#include "cfd/grid/box.h"
 
 namespace twogrid {
 

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "cfd_box.h"
+#include "tests/verification/cfd_box.h"
 
 using namespace twogrid;
 

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "cfd_box.h"
+#include "tests/verification/cfd_box.h"
 
 using namespace twogrid;
 

@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "cfd_box.h"
+#include "tests/verification/cfd_box.h"
 
 using namespace twogrid;
 

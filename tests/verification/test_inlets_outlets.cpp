@@ -3,8 +3,8 @@
 // an outlet could blow up when fluid comes back in.
 #include <gtest/gtest.h>
 
-#include "cfd_box.h"
-#include "formulation_a.h"
+#include "tests/verification/cfd_box.h"
+#include "tests/verification/formulation_a.h"
 
 using namespace twogrid;
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "cfd_box.h"
-#include "formulation_a.h"
+#include "tests/verification/cfd_box.h"
+#include "tests/verification/formulation_a.h"
 
 using namespace twogrid;
 

@@ -5,9 +5,9 @@
 
 #include <cstdio>
 
-#include "cfd_box.h"
-#include "formulation_a.h"
-#include "manufactured.h"
+#include "tests/verification/cfd_box.h"
+#include "tests/verification/formulation_a.h"
+#include "tests/verification/manufactured.h"
 
 using namespace twogrid;
 

@@ -4,8 +4,8 @@
 
 #include <Eigen/Dense>
 
-#include "cfd_box.h"
-#include "formulation_a.h"
+#include "tests/verification/cfd_box.h"
+#include "tests/verification/formulation_a.h"
 
 using namespace twogrid;
 

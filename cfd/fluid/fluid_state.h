@@ -1,0 +1,73 @@
+// The state of the fluid: all that one step hands to the next, and all that others read after it. What is not here is
+// made anew in every step. A copy of the struct is a checkpoint in memory; for_each_entry() walks it by name.
+#pragma once
+
+#include <array>
+
+#include "cfd/grid/field.h"
+
+namespace twogrid {
+
+struct FluidState {
+  using Levels = std::array<CellField<FineGrid>, 3>;
+  /// d(eps)/dt - q of a step from the levels of eps.
+  struct Rate {
+    double b0 = 0, b1 = 0, b2 = 0, excess = 0;  // 1/s; excess: q of a closed domain
+    double at(const Levels& eps, std::ptrdiff_t m) const {
+      return b0 * eps[0].data()[m] + b1 * eps[1].data()[m] + b2 * eps[2].data()[m] - excess;
+    }
+  };
+
+  double time = 0;               // t^n (s)
+  double dt_previous = 0;        // t^n - t^{n-1} (s); 0: no history
+  int idle_steps = 0;            // steps in a row that could have been longer
+  double dt_older = 0;           // t^{n-1} - t^{n-2} (s); 0: not known
+  FaceField<FineGrid> u, u_old;  // u^n, u^{n-1} (m/s), with halo and ghosts
+  FaceField<FineGrid> u_older;   // u^{n-2}; only with central convection
+  CellField<FineGrid> p;         // dynamic pressure (Pa), likewise
+  Levels eps;                    // eps^n, eps^{n-1}, eps^{n-2}
+  Vec3 imposed{0, 0, 0};         // G (Pa/m)
+  CellField<FineGrid> phi;       // change of p in the last step: the pressure solver's next first guess (Pa)
+  CellField<FineGrid> response;  // potential answering a unit mean gradient: first guess too; only with a flow rate
+  // Read after a step.
+  FaceField<FineGrid> eps_f;        // eps^n on faces
+  Rate rate;                        // of the last step
+  double velocity_scale = 0;        // largest |eps u| (m/s)
+  bool one_step = true;             // the last interval was one step: its mean of u is u
+  FaceField<FineGrid> mean_u;       // over the last interval, unless one_step
+  FaceField<FineGrid> mean_grad_p;  // the same (Pa/m); only if wanted
+
+  /// Calls f(name, entry) for every entry, in an order that is always the same; entry: double&, int&, bool& or
+  /// Array3<double>& (of size 0 where not in use). S: FluidState or const FluidState.
+  template <class S, class F>
+  static void for_each_entry(S& s, F&& f) {
+    f("time", s.time), f("dt_previous", s.dt_previous), f("dt_older", s.dt_older), f("idle_steps", s.idle_steps);
+    components(s.u, {"u_x", "u_y", "u_z"}, f), components(s.u_old, {"u_old_x", "u_old_y", "u_old_z"}, f);
+    components(s.u_older, {"u_older_x", "u_older_y", "u_older_z"}, f);
+    array("p", s.p, f);
+    components(s.eps, {"eps_0", "eps_1", "eps_2"}, f);
+    f("imposed_x", s.imposed[0]), f("imposed_y", s.imposed[1]), f("imposed_z", s.imposed[2]);
+    array("phi", s.phi, f), array("response", s.response, f);
+    components(s.eps_f, {"eps_f_x", "eps_f_y", "eps_f_z"}, f);
+    f("rate_0", s.rate.b0), f("rate_1", s.rate.b1), f("rate_2", s.rate.b2), f("rate_excess", s.rate.excess);
+    f("velocity_scale", s.velocity_scale), f("one_step", s.one_step);
+    components(s.mean_u, {"mean_u_x", "mean_u_y", "mean_u_z"}, f);
+    components(s.mean_grad_p, {"mean_grad_p_x", "mean_grad_p_y", "mean_grad_p_z"}, f);
+  }
+
+ private:
+  template <class F>
+  static void array(const char* name, Array3<double>& a, F&& f) {
+    f(name, a);
+  }
+  template <class F>
+  static void array(const char* name, const Array3<double>& a, F&& f) {
+    f(name, a);
+  }
+  template <class Field, class F>
+  static void components(Field& field, const std::array<const char*, 3>& names, F&& f) {
+    for (int d = 0; d < 3; ++d) array(names[d], field[d], f);
+  }
+};
+
+}  // namespace twogrid

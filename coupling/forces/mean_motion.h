@@ -1,0 +1,88 @@
+// The particles' mean motion and drag on the particle grid, and what follows from it during a coupling interval.
+//
+// Volume conservation ties the fluid's velocity to the particles' mean motion: over an interval the volume flux
+// j = eps u + eps_s v_mean is what stays, not u. With the sums over a node's particles (weights w)
+//   v(t)   = sum w m v / sum w m               now
+//   v_n                                        the same at the last coupling
+//   v_flux                                     of the velocity that the continuity equation saw at the last coupling
+//   beta   = sum w b_A / V,  D_n = sum w b_A (u - v) / V   at the last coupling (b_A: formulation A's drag coefficient)
+// the fluid velocity that a particle sees at time t is
+//   u_seen = u_read - C,     C = (eps_s (v(t) - v_flux) - J)/eps
+// and in formulation A the part of -grad p that balances the drag, D/eps, is
+//   D(t)/eps = D_n/eps + P,  P = -(beta/eps) (C + v(t) - v_n).
+// J: where nothing holds the net flux through the domain (periodic directions without a given flow rate), it is the
+// domain's mean of eps_s (v(t) - v_flux), so that only what continuity really ties is held; else zero.
+#pragma once
+
+#include <mpi.h>
+
+#include <vector>
+
+#include "cfd/parallel/vectorised.h"
+#include "coupling/particles/particles.h"
+#include "coupling/two_grid/fixed_point.h"
+#include "coupling/two_grid/map.h"
+#include "coupling/two_grid/window.h"
+
+namespace twogrid {
+
+class MeanMotion {
+ public:
+  /// spread: kCell or kLinear. free_flux: directions in which nothing holds the net flux. Collective.
+  MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region, Spread spread,
+             const std::array<bool, 3>& free_flux);
+
+  /// Particles are elsewhere now; what they read comes with the next update(). Collective.
+  void move_region(const ParticleRegion& region);
+
+  /// Largest values of this coupling, over all ranks; `terms` bounds how many particles a node's sum can hold.
+  struct Largest {
+    double mass = 0, momentum = 0, drag_coefficient = 0, drag = 0, terms = 1;
+  };
+
+  /// Sauter mean diameter of each node, readable with diameter(). Collective.
+  void average_diameters(const Particles& p, const std::vector<int>& who, double largest_radius, double terms);
+  double diameter(const double x[3]);
+
+  /// Sums of the particles in `who` at a coupling. flux_velocity[q] belongs to who[q]. eps: own nodes.
+  /// drag: beta and D_n are wanted (formulation A). Collective.
+  void couple(const Particles& p, const std::vector<int>& who, const std::vector<FourNumbers>& flux_velocity,
+              const CellField<ParticleGrid>& eps, const Largest& largest, bool drag);
+  /// beta/eps (kg/(m3 s)) and D_n/eps (N/m3) at a particle, after couple() with drag.
+  void drag_at(const double x[3], double& beta, Vec3& d);
+
+  /// The particles have moved: v(t), C and P. A particle counts if it feels drag. Collective.
+  void update(const Particles& p);
+  /// C (m/s) and P (N/m3; zero without drag) at a particle, after update().
+  void change_at(const double x[3], Vec3& c, Vec3& pressure);
+
+ private:
+  void sum_motion(const Particles& p, const std::vector<int>* who);
+  void collect(int n);
+  void bring(int first, int n);
+
+  static constexpr int kSums = 11;
+  static constexpr int kShown = 6;
+  static constexpr int kShownEps = 4;  // in couple() with drag, for weights like home
+
+  MPI_Comm comm_;
+  ParticleGrid grid_;
+  Layout nodes_;
+  Box own_;
+  Spread spread_;
+  Window window_;
+  Stencil stencil_;
+  std::vector<double> weights_;  // scratch
+  std::array<bool, 3> free_flux_;
+  double domain_volume_;
+  bool drag_ = false;
+  FixedPoint mass_unit_, momentum_unit_;
+  double terms_ = 1;
+  std::array<Array3<long long>, kSums> window_sum_, node_sum_;
+  std::array<CellField<ParticleGrid>, kShown> shown_;  // own nodes: what particles read
+  std::array<Array3<double>, kShown> window_shown_;
+  CellField<ParticleGrid> eps_, beta_;  // void fraction at the last coupling; beta/eps
+  NodeVector<CellField<ParticleGrid>> v_flux_, v_n_;
+};
+
+}  // namespace twogrid

@@ -1,0 +1,128 @@
+// The map between the two grids. Two pairs of verbs:
+//   mean    fine faces -> nodes   velocity, and everything that is read: mean over the block of one node, per direction
+//   spread  nodes -> fine faces   momentum, the transpose of mean
+//   inject  nodes -> fine cells   void fraction, constant or linear in each block
+// Block of node n, direction d: all faces normal to d that touch its fine cells. Each weighs W_nf, the part of its
+// momentum volume (half of either neighbour cell) that lies inside the block; faces whose velocity is prescribed weigh
+// zero. With the sum W_n over the block's faces,
+//   mean     u_n = sum_f W_nf u_f / W_n            (0 where W_n = 0)
+//   spread   V_f s_f = sum_n W_nf q_n / W_n,  V_f = sum_n W_nf: the part of the momentum volume inside the domain
+// so that sum_f V_f s_f u_f = sum_n q_n u_n for any q and u, and sum_f V_f s_f = sum_n q_n but for nodes with W_n = 0.
+#pragma once
+
+#include <mpi.h>
+
+#include "cfd/fluid/fluid.h"
+#include "cfd/parallel/block_exchange.h"
+#include "cfd/parallel/vectorised.h"
+#include "coupling/settings.h"
+#include "coupling/two_grid/fixed_point.h"
+#include "coupling/two_grid/open_faces.h"
+#include "coupling/two_grid/particle_grid.h"
+
+namespace twogrid {
+
+template <class T>
+using NodeVector = std::array<T, 3>;
+
+class NodeSpread;
+
+class Map {
+ public:
+  /// Keeps the fluid's face states of now. Collective.
+  Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid);
+
+  const ParticleGrid& grid() const { return grid_; }
+  const Layout& layout() const { return layout_; }
+  /// The rank's own nodes.
+  const Box& own() const { return own_; }
+  /// Own fine faces normal to d.
+  const Box& faces(int d) const { return faces_[d]; }
+  /// V_f of an own face (m3).
+  double face_volume(int d, int i, int j, int k) const {
+    const std::array<const double*, 3> w{width_[0].data(), width_[1].data(), width_[2].data()};
+    const Int3 c{i, j, k};
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    return face_width_[d][c[d]] * (w[e][c[e]] * w[f][c[f]]);
+  }
+
+  /// Sum over the row of own faces of `density` V_f.
+  double integral(int d, int j, int k, const double* density) const;
+
+  /// `face` covers own faces and a halo of one, filled; node: own nodes, of whose groups components 0-2 are set. eps:
+  /// of fine cells and a halo of one: then the mean is that of eps_f times the face's value, eps_f by volume as the
+  /// fluid has it.
+  void mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
+            const CellField<FineGrid>* eps = nullptr) const;
+  /// node: own nodes' sums over the node, in units of scale[0] (components 0-2, N) and scale[1] (component 3, kg/s);
+  /// source (0-2) and beta (3): per volume, on own faces. Returns what nodes without a solved face held back of
+  /// components 0-2, summed over own nodes. The map must live as long as source and beta are used. Collective.
+  Vec3 spread(const Slot<FourWholeNumbers>& node, const std::array<FixedPoint, 2>& scale, NodeSpread& source,
+              NodeSpread& beta) const;
+
+ private:
+  ParticleGrid grid_;
+  Layout layout_;
+  Box own_;
+  std::array<Box, 3> faces_;
+  FineGrid fine_;
+  std::array<std::vector<double>, 3> width_;       // of fine cells (m)
+  std::array<std::vector<double>, 3> face_width_;  // of momentum volumes, their part inside the domain (m)
+  // Face i of direction d takes the share `above` of node [i / r] and 1 - above of the node below.
+  std::array<std::vector<double>, 3> above_;
+  std::array<std::vector<double>, 3> above_share_;  // of the cell above a face in the mean of eps on it
+  std::array<std::vector<int>, 3> block_;           // node of fine cell i; of the last face: one beyond the last
+  std::array<std::vector<double>, 3> half_;         // [d][m n + N]: width inside block N of its face m = 0 ... r
+  NodeVector<CellField<ParticleGrid>> inverse_;     // 1 / W_n, own nodes
+  std::array<bool, 3> holds_back_;                  // some W_n is zero
+  std::array<OpenFaces, 3> open_;                   // all faces of own nodes
+  mutable std::vector<double> row_, flux_;          // scratch of mean()
+  Box with_below_;
+  BlockExchange below_;
+
+  friend class NodeSpread;
+};
+
+/// What spread() makes: it holds values of nodes, and gives those of faces row by row.
+class NodeSpread : public FaceRows {
+ public:
+  void row(int d, int i, int j, int k, int n, double* out) const override;
+  /// All own faces of direction d (tests).
+  void field(int d, Array3<double>& out) const;
+
+ private:
+  void fill_row(int d, int i, int j, int k, int n, double* out) const;
+
+  const Map* map_ = nullptr;
+  NodeVector<CellField<ParticleGrid>> share_;  // q_n / W_n on own nodes and those below
+
+  friend class Map;
+};
+
+/// Prolongation of the void fraction.
+class Prolongation {
+ public:
+  /// Collective. eps_min bounds the linear profile from below.
+  Prolongation(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const ParticleGrid& grid, Prolong kind,
+               double eps_min);
+
+  /// node covers own nodes and a halo of one (filled here when needed); fine covers own cells and a halo of two, filled
+  /// here: owners' values, and beyond sides that are not periodic copies of the cell at the side. Collective.
+  /// Linear: e_n + sum_d g_d (x - x_n), g_d the smaller of the two one-sided slopes (zero where they differ in sign),
+  /// scaled back so that eps_min <= eps <= 1. The block's mean stays e_n: no volume is gained or lost.
+  void operator()(CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;
+  /// The same, constant in each block.
+  void constant(const CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;
+
+ private:
+  void fill_halo(CellField<FineGrid>& fine) const;
+
+  const FineGrid fine_;
+  ParticleGrid grid_;
+  Prolong kind_;
+  double eps_min_;
+  Box own_nodes_, own_cells_;
+  BlockExchange node_halo_, fine_halo_;
+};
+
+}  // namespace twogrid

@@ -1,0 +1,41 @@
+#include "coupling/two_grid/particle_grid.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace twogrid {
+
+ParticleGrid::ParticleGrid(const FineGrid& fine, const Int3& r) : ratio(r) {
+  for (int d = 0; d < 3; ++d) {
+    const std::string where = std::string(" in direction ") + "xyz"[d];
+    if (r[d] < 1) throw std::invalid_argument("ratio must be at least 1" + where + ", found " + std::to_string(r[d]));
+    const int n = fine.axis[d].n();
+    if (n % r[d] != 0)
+      throw std::invalid_argument("ratio " + std::to_string(r[d]) + " does not divide the " + std::to_string(n) +
+                                  " fine cells" + where + ": change ratio or fine");
+    std::vector<double> node;
+    for (int i = 0; i <= n; i += r[d]) node.push_back(fine.axis[d].node(i));
+    axis[d] = Axis(std::move(node), fine.axis[d].periodic());
+  }
+}
+
+double ParticleGrid::largest_volume() const {
+  double v = 1;
+  for (const Axis& a : axis) {
+    double width = 0;
+    for (int i = 0; i < a.n(); ++i) width = std::max(width, a.width(i));
+    v *= width;
+  }
+  return v;
+}
+
+Layout node_layout(const Layout& fine, const ParticleGrid& nodes) {
+  for (int d = 0; d < 3; ++d)
+    for (int c : fine.cuts()[d])
+      if (c % nodes.ratio[d] != 0)
+        throw std::invalid_argument("the fluid's layout is cut at fine cell " + std::to_string(c) + " in direction " +
+                                    "xyz"[d] + ", wanted: a multiple of ratio " + std::to_string(nodes.ratio[d]));
+  return fine.coarsened(nodes, nodes.ratio);
+}
+
+}  // namespace twogrid

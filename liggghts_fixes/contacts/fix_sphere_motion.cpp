@@ -1,0 +1,33 @@
+#include "liggghts_fixes/contacts/fix_sphere_motion.h"
+
+#include <atom.h>
+#include <domain.h>
+
+namespace twogrid {
+
+using namespace LAMMPS_NS;
+
+bool FixSphereMotion::served() const {
+  return extra == 0 && !useAM_ && domain->dimension == 3 && igroup != atom->firstgroup && atom->nlocal > 0;
+}
+
+void FixSphereMotion::half_step(double dt) {
+  kernel_.kick({dtf, dt, onePlusCAddRhoFluid_, atom->nlocal, groupbit, atom->x[0], atom->v[0], atom->omega[0],
+                atom->f[0], atom->torque[0], atom->radius, atom->rmass, atom->mask});
+}
+
+void FixSphereMotion::initial_integrate(int vflag) {
+  if (served())
+    half_step(dtv);
+  else
+    FixNVESphere::initial_integrate(vflag);
+}
+
+void FixSphereMotion::final_integrate() {
+  if (served())
+    half_step(0);
+  else
+    FixNVESphere::final_integrate();
+}
+
+}  // namespace twogrid

@@ -1,0 +1,67 @@
+#include "liggghts_fixes/report/coupling_watch.h"
+
+#include <algorithm>
+
+#include "liggghts_fixes/script/words.h"
+
+namespace twogrid {
+
+namespace {
+
+std::string percent(double share) {
+  return brief(100 * share) + " %";
+}
+
+/// The step that keeps a particle from crossing more than kTravel particle cells: first by every, then by timestep.
+std::string shorter_interval(double travel, int steps, double dem_dt) {
+  const double allowed = steps * CouplingWatch::kTravel / travel;  // DEM steps of today's length
+  if (allowed >= 1 && steps > 1) return "lower every to " + std::to_string(std::min(int(allowed), steps - 1));
+  const std::string shorter = "timestep to " + brief(std::min(allowed, 1.0) * dem_dt) +
+                              " s, or raise ratio: larger particle cells are crossed more slowly";
+  return steps > 1 ? "lower every to 1 and " + shorter : "lower " + shorter;
+}
+
+}  // namespace
+
+bool CouplingWatch::Told::due(double value, double limit) {
+  if (!(value > limit) || !(value > 2 * at)) return false;
+  at = value;
+  return true;
+}
+
+std::vector<std::string> CouplingWatch::look(const Report& r, int steps, double dem_dt) {
+  std::vector<std::string> said;
+  if (steps > 0 && travel_.due(r.travel, kTravel))
+    said.push_back("a particle crosses " + text(r.travel) + " particle cells in a coupling interval of " +
+                   std::to_string(steps) + " steps, wanted: at most " + text(kTravel) + "; " +
+                   shorter_interval(r.travel, steps, dem_dt));
+  const double solids = r.solid_volume > 0 ? 1 / r.solid_volume : 0.0;
+  const bool clip = bound_ == EpsBound::kClip;
+  const std::string bound = std::string("'eps bound ") + (clip ? "clip " : "move ") + text(eps_min_) + "'";
+  if (moved_.due(r.volume_moved * solids, kMoved))
+    said.push_back(bound + (clip ? " throws away " : " moves ") + percent(r.volume_moved * solids) +
+                   " of the solids' volume, wanted: at most " + percent(kMoved) +
+                   "; particles lie closer, or overlap more, than the bound allows, and the fluid sees " +
+                   (clip ? "fewer of them" : "them elsewhere") +
+                   ": raise ratio (particle cells of 3 diameters), take the overlap out (stiffer contacts, a lower "
+                   "timestep, obstacles of spheres that touch), or lower the bound");
+  if (unplaced_.due(r.volume_unplaced * solids, kError))
+    said.push_back(bound + " cannot be kept: " + percent(r.volume_unplaced * solids) + " of the solids' volume (" +
+                   brief(r.volume_unplaced) +
+                   " m3) lies above it and finds no room anywhere, and the void fraction goes "
+                   "down to " +
+                   brief(r.eps_min) + "; lower the bound, or let the domain be larger");
+  // What clip throws away is this error, and is told above.
+  if (!clip && volume_.due(r.solid_volume_error, kError))
+    said.push_back("the grid holds another volume of solids than the particles have, by " +
+                   brief(r.solid_volume_error) + " of it (f_ID[6]), wanted: at most " + brief(kError) +
+                   "; say 'neigh_modify delay 0 every 1 check yes' and lower timestep, so that no particle leaves its "
+                   "rank unseen");
+  if (momentum_.due(r.momentum_error, kError))
+    said.push_back("what the fluid gives the particles and what it gets back differ by " + brief(r.momentum_error) +
+                   " (f_ID[7]), wanted: at most " + brief(kError) +
+                   "; lower every or timestep: an exchange so strong is lost in the rounding of numbers");
+  return said;
+}
+
+}  // namespace twogrid

@@ -1,0 +1,92 @@
+#include "liggghts_fixes/script/words.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+namespace twogrid {
+
+void refuse(const std::string& keyword, const std::string& found, const std::string& wanted) {
+  throw std::invalid_argument(keyword + ": found " + (found.empty() ? "nothing" : found) + ", wanted " + wanted);
+}
+
+std::string text(double value) {
+  std::ostringstream out;
+  out.precision(6);
+  out << value;
+  if (std::strtod(out.str().c_str(), nullptr) == value) return out.str();
+  out.str("");
+  out.precision(12);
+  out << value;
+  return out.str();
+}
+
+std::string brief(double value) {
+  std::ostringstream out;
+  out.precision(4);
+  out << value;
+  return out.str();
+}
+
+bool is_number(const std::string& word, double* value) {
+  if (word.empty()) return false;
+  char* end = nullptr;
+  *value = std::strtod(word.c_str(), &end);
+  return *end == '\0' && std::isfinite(*value);
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string s;
+  for (std::size_t i = 0; i < words.size(); ++i) s += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  return s;
+}
+
+const std::string& Words::peek() const {
+  static const std::string kNone;
+  return end() ? kNone : words_[next_];
+}
+
+bool Words::take_if(const std::string& word) {
+  if (!next_is(word)) return false;
+  ++next_;
+  return true;
+}
+
+std::string Words::word(const std::string& keyword, const std::string& wanted) {
+  if (end()) refuse(keyword, "the end of the line", wanted);
+  return words_[next_++];
+}
+
+double Words::number(const std::string& keyword, const std::string& wanted) {
+  const std::string w = word(keyword, wanted);
+  double value = 0;
+  if (w.rfind("v_", 0) == 0)
+    refuse(keyword, w,
+           wanted + " (a variable's value is written ${" + w.substr(2) + "} here; v_ follows time only in velocities)");
+  if (!is_number(w, &value)) refuse(keyword, w, wanted);
+  return value;
+}
+
+double Words::positive(const std::string& keyword, const std::string& wanted) {
+  const std::string found = peek();
+  const double value = number(keyword, wanted);
+  if (!(value > 0)) refuse(keyword, found, wanted);
+  return value;
+}
+
+int Words::whole(const std::string& keyword, const std::string& wanted, int smallest) {
+  const std::string found = peek();
+  const double value = number(keyword, wanted);
+  if (value != std::floor(value) || value < smallest || value > 2e9) refuse(keyword, found, wanted);
+  return int(value);
+}
+
+int Words::one_of(const std::string& keyword, const std::vector<std::string>& allowed) {
+  const std::string w = word(keyword, listed(allowed));
+  for (std::size_t i = 0; i < allowed.size(); ++i)
+    if (w == allowed[i]) return int(i);
+  refuse(keyword, w, listed(allowed));
+}
+
+}  // namespace twogrid

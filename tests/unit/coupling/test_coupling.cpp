@@ -1,0 +1,567 @@
+// The coupling as a whole, against fluids without space: a fluid that moves as one body has a known answer.
+//
+// Without these tests a coupling would pass that conserves everything and yet diverges: with the fluid velocity frozen
+// over an interval of some response times of the particles, homogeneous settling is amplified from interval to interval
+// (formulation A already at a tenth of the response time), and light particles diverge by their added mass at any step.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "coupling/coupling.h"
+#include "coupling/forces/drag.h"
+#include "coupling/methods.h"
+#include "tests/unit/coupling/coupling_fakes.h"
+
+namespace twogrid_test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// A periodic box of particles on a cubic lattice (overlapping: there are no contacts) with a fluid that moves as one
+/// body. eps = 0.4, Stokes' law, so that tau = rho_p eps_s/beta = rho_p d^2/(18 mu).
+struct OneBody {
+  static constexpr double kEps = 0.4, kSolid = 0.6, kRhoF = 1.0, kTau = 1.0, kGravity = -1.0;
+
+  OneBody(MPI_Comm comm, double rho_p, double k, Formulation form, int dem_steps)
+      : comm(comm), rho_p(rho_p), steps(dem_steps), interval(k * kTau), dt(interval / dem_steps) {
+    const double h = 1.0;  // node
+    const double spacing = h, d = std::cbrt(kSolid * 6 / kPi) * spacing;
+    const double mu = rho_p * d * d / (18 * kTau);
+    const Int3 n{4, 4, 4};
+    const FineGrid grid = make_grid({0, 0, 0}, {2 * h, 2 * h, 2 * h}, n, {true, true, true});
+    const Layout layout = make_layout(grid, size_of(comm), {2, 2, 2});
+    fluid = std::make_unique<FakeFluid>(comm, grid, layout, kRhoF, mu);
+    Bodies all;
+    for (int k3 = 0; k3 < 2; ++k3)
+      for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 2; ++i)
+          all.add({spacing * (i + 0.3), spacing * (j + 0.4), spacing * (k3 + 0.7)}, 0.5 * d, rho_p, {0, 0, 0},
+                  int(all.x.size()) + 1);
+    bodies = share_of(all, grid, comm);
+    Settings s;
+    s.id = "gas";
+    s.ratio = {2, 2, 2};
+    s.fine = n;
+    s.drag = "stokes";
+    s.formulation = form;
+    s.eps_min = 0.2;
+    s.every = dem_steps;
+    choose(*find_method("paper"), 0, s);  // eight bodies, one in each node
+    settings = s;
+    volume = 8 * h * h * h;
+  }
+
+  void begin() {
+    const ParticleRegion r = make_region(fluid->grid(), comm, 0.1);
+    coupling = std::make_unique<Coupling>(comm, settings, *fluid, r.lo, r.hi, r.reach);
+    Particles p = bodies.view();
+    coupling->start(p, dt);
+    gravity(p);
+    coupling->force(p, dt, false);
+  }
+  void gravity(Particles& p) {
+    for (int i = 0; i < p.n; ++i) p.f[i][0] = p.f[i][1] = 0, p.f[i][2] = p.mass[i] * (1 - kRhoF / rho_p) * g;
+  }
+  /// One interval of velocity Verlet; the coupling comes in its last step.
+  void run_interval() {
+    Particles p = bodies.view();
+    for (int s = 1; s <= steps; ++s) {
+      for (int i = 0; i < p.n; ++i)
+        for (int d = 0; d < 3; ++d) {
+          p.v[i][d] += 0.5 * dt * p.f[i][d] / p.mass[i];
+          p.x[i][d] += dt * p.v[i][d];
+          path[d] += dt * p.v[i][d] * p.mass[i];
+        }
+      wrap(p);
+      if (s == steps) coupling->advance(p, steps, dt);
+      gravity(p);
+      coupling->force(p, dt, true);
+      for (int i = 0; i < p.n; ++i)
+        for (int d = 0; d < 3; ++d) p.v[i][d] += 0.5 * dt * p.f[i][d] / p.mass[i];
+      if (s == steps) pending = momentum_pending(p);
+      coupling->finish_step(p);
+    }
+  }
+  /// What the last half kick gave and the fluid hasn't been charged yet.
+  double momentum_pending(const Particles& p) {
+    double sum = 0;
+    for (int i = 0; i < p.n; ++i) sum += 0.5 * dt * (p.f[i][2] - p.mass[i] * (1 - kRhoF / rho_p) * g);
+    return mean(sum);
+  }
+  /// Particles that leave their rank's brick come back on the opposite side of it: a lattice stays a lattice.
+  void wrap(Particles& p) {
+    const ParticleRegion r = make_region(fluid->grid(), comm, 0.1);
+    for (int i = 0; i < p.n; ++i)
+      for (int d = 0; d < 3; ++d) {
+        const double l = r.hi[d] - r.lo[d], back = l * std::floor((p.x[i][d] - r.lo[d]) / l);
+        p.x[i][d] -= back;
+        p.state[i][kPosition + d] -= back;
+      }
+  }
+  double mean(double value) const {
+    double all = 0, mine = value;
+    MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, comm);
+    return all;
+  }
+  double particle_velocity(int d = 2) {
+    double p = 0, m = 0;
+    for (std::size_t i = 0; i < bodies.x.size(); ++i) p += bodies.mass[i] * bodies.v[i][d], m += bodies.mass[i];
+    return mean(p) / mean(m);
+  }
+  void set_all(FaceField<FineGrid>& f, double z) {
+    fluid->set(f, [&](int d, const Vec3&) { return d == 2 ? z : 0.0; });
+  }
+  /// Mean of the z component of a reaction over the box.
+  double box_mean(const Array3<double>& f) {
+    double sum = 0;
+    for (std::size_t m = 0; m < f.size(); ++m) sum += f.data()[m];
+    return mean(sum) * (volume / 64) / volume;
+  }
+
+  MPI_Comm comm;
+  double rho_p, g = kGravity;
+  int steps;
+  double interval, dt, volume = 1;
+  std::unique_ptr<FakeFluid> fluid;
+  std::unique_ptr<Coupling> coupling;
+  Bodies bodies;
+  Settings settings;
+  double pending = 0;          // see momentum_pending()
+  double path[3] = {0, 0, 0};  // sum of m dx, this rank
+  double u = 0, u_before = 0, d_before = 0;
+  int intervals = 0;
+};
+
+/// Steady slip u - v of settling at no net flux: (rho_p - rho_f) eps_s g + beta slip/eps = 0.
+double steady_slip(double rho_p) {
+  const double beta = rho_p * OneBody::kSolid / OneBody::kTau;
+  return -(rho_p - OneBody::kRhoF) * OneBody::kSolid * OneBody::kGravity * OneBody::kEps / beta;
+}
+
+/// Closed box: no net volume flux. The fluid follows from continuity, with the velocity of the particles that d(eps)/dt
+/// sees (second order backward in time); grad p follows from the fluid's momentum balance.
+void close_box(OneBody& s) {
+  s.settings.fluid.flow_rate_set[2] = true;
+  s.fluid->on_advance = [&s](double D, const VoidFractionInTime&, const Interphase& x) {
+    double m = 0;
+    for (double q : s.bodies.mass) m += q;
+    const double d = s.mean(s.path[2]) / s.mean(m) / D;
+    for (double& q : s.path) q = 0;
+    const double extrapolated = s.intervals > 0 ? 1.5 * d - 0.5 * s.d_before : d;
+    const double un = -(OneBody::kSolid / OneBody::kEps) * extrapolated;
+    const double a = s.intervals > 0 ? 1.5 : 1.0, c = a - 1;
+    const double inertia = OneBody::kRhoF * OneBody::kEps * (a * (un - s.u) - c * (s.u - s.u_before)) / D;
+    const double gradient = s.box_mean(source_of(x, 2, s.fluid->own_faces_[2])) -
+                            s.box_mean(made(x.beta_rows, 2, s.fluid->own_faces_[2])) * un - inertia;
+    s.d_before = d, s.u_before = s.u, s.u = un, ++s.intervals;
+    s.set_all(s.fluid->u_, un);
+    s.set_all(s.fluid->mean_, un);
+    s.set_all(s.fluid->gradient_, gradient);
+  };
+}
+
+/// Open box: the mean pressure gradient carries the buoyant weight, the fluid follows from its momentum balance.
+void open_box(OneBody& s, bool second_order = true) {
+  s.fluid->on_advance = [&s, second_order](double D, const VoidFractionInTime&, const Interphase& x) {
+    const double a = second_order && s.intervals > 0 ? 1.5 : 1.0, c = a - 1,
+                 inertia = OneBody::kRhoF * OneBody::kEps / D;
+    const double gradient = (s.rho_p - OneBody::kRhoF) * OneBody::kSolid * s.g;
+    const double un = (inertia * (a * s.u + c * (s.u - s.u_before)) - gradient +
+                       s.box_mean(source_of(x, 2, s.fluid->own_faces_[2]))) /
+                      (inertia * a + s.box_mean(made(x.beta_rows, 2, s.fluid->own_faces_[2])));
+    s.u_before = s.u, s.u = un, ++s.intervals;
+    s.set_all(s.fluid->u_, un);
+    s.set_all(s.fluid->mean_, un);
+    s.set_all(s.fluid->gradient_, gradient);
+  };
+}
+
+/// Settles from rest for some intervals; checks the slip, its history and the ledger. Returns the final slip.
+double settle(MPI_Comm comm, Formulation form, bool closed, double rho_p, double k) {
+  OneBody s(comm, rho_p, k, form, k < 1 ? 4 : std::min(100, int(10 * k)));
+  if (closed)
+    close_box(s);
+  else
+    open_box(s);
+  s.begin();
+  const int count = std::clamp(int(30 / k), 12, 1000);
+  const double want = steady_slip(rho_p);
+  double largest = 0, slip = 0;
+  for (int n = 0; n < count; ++n) {
+    s.run_interval();
+    slip = s.u - s.particle_velocity();
+    largest = std::max(largest, std::abs(slip / want));
+  }
+  const std::string what = std::string(form == Formulation::kA ? "A" : "B") + (closed ? " closed" : " open") +
+                           " ratio " + std::to_string(rho_p) + " k " + std::to_string(k);
+  EXPECT_NEAR(slip / want, 1, 2e-3) << what;
+  EXPECT_LT(largest, 1.2) << what;
+  EXPECT_LT(s.coupling->report().momentum_error, 1e-12) << what;
+  EXPECT_LT(s.coupling->report().solid_volume_error, 1e-13) << what;
+  EXPECT_EQ(s.coupling->report().holding_flux, k > 0.05) << what;
+  return slip;
+}
+
+// The cases are shared out: each is one rank's, since a body without space has nothing to divide.
+TEST(CouplingSettling, StableWithTheRightSlip) {
+  int number = 0;
+  for (Formulation form : {Formulation::kA, Formulation::kB})
+    for (bool closed : {true, false})
+      for (double rho_p : {0.8, 2.5, 1000.0})
+        for (double k : {0.01, 0.1, 0.5, 1.0, 5.0, 20.0, 100.0})
+          if (number++ % size_of(MPI_COMM_WORLD) == rank_of(MPI_COMM_WORLD))
+            settle(MPI_COMM_SELF, form, closed, rho_p, k);
+}
+
+// The held flux is a sum over ranks in every DEM step.
+TEST(CouplingSettling, SameOnAllRanksTogether) {
+  for (Formulation form : {Formulation::kA, Formulation::kB}) {
+    const double together = settle(MPI_COMM_WORLD, form, true, 2.5, 2.0);
+    const double alone = settle(MPI_COMM_SELF, form, true, 2.5, 2.0);
+    EXPECT_NEAR(together, alone, 1e-12 * std::abs(alone));
+  }
+}
+
+// Without the implicit part of the reaction (or with a kick that isn't its transpose) the fluid would overshoot by the
+// ratio of masses, or momentum would leak.
+TEST(CouplingRelaxation, TwoBodiesReachTheirCommonVelocity) {
+  for (Formulation form : {Formulation::kA, Formulation::kB})
+    for (double rho_p : {0.8, 2.5, 1000.0}) {
+      OneBody s(MPI_COMM_WORLD, rho_p, 100.0, form, 400);
+      s.g = 0;
+      open_box(s, false);
+      s.u = s.u_before = 1;
+      s.set_all(s.fluid->u_, 1.0);
+      s.begin();
+      double m = 0;
+      for (double q : s.bodies.mass) m += q;
+      m = s.mean(m);
+      const double fluid_mass = OneBody::kRhoF * OneBody::kEps * s.volume, before = fluid_mass * 1.0;
+      const double common = before / (fluid_mass + m);
+      s.run_interval();
+      // Momentum at the coupling: the half step after it is pending and counted as such.
+      const double after = fluid_mass * s.u + m * s.particle_velocity() - s.pending;
+      // The particles reach the fluid's first velocity before the coupling corrects them: that sets the scale.
+      EXPECT_NEAR(after, before, 1e-12 * m * 1.0) << "ratio " << rho_p;
+      EXPECT_NEAR(s.u / common, 1, 1e-6) << "ratio " << rho_p;
+      EXPECT_NEAR((s.particle_velocity() - s.pending / m) / common, 1, 1e-6) << "ratio " << rho_p;
+      EXPECT_NEAR(s.particle_velocity() / common, 1, 2e-3) << "ratio " << rho_p;
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// A closed box with walls, a few particles, whatever method: one interval at a time, by hand.
+struct SmallBox {
+  FineGrid grid = make_grid({0, 0, 0}, {1, 1, 2}, {8, 8, 16}, {false, false, false});
+  FakeFluid fluid{MPI_COMM_WORLD, grid, make_layout(grid, size_of(MPI_COMM_WORLD), {2, 2, 2}), 1.2, 1e-2};
+  Settings settings;
+  Bodies bodies;
+  std::unique_ptr<Coupling> coupling;
+  SmallBox() {
+    settings.id = "gas";
+    settings.ratio = {2, 2, 2};
+    settings.fine = {8, 8, 16};
+    settings.drag = "ergun/wenyu";
+    choose(*find_method("paper"), 0, settings);
+    settings.hold_flux = Choice::kOff;
+  }
+  void add(const Vec3& x, const Vec3& v, int tag, double radius = 0.05) { add(x, v, tag, radius, x); }
+  /// held_at: of the rank that has this place.
+  void add(const Vec3& x, const Vec3& v, int tag, double radius, const Vec3& held_at) {
+    Bodies one;
+    one.add(held_at, radius, 1000, v, tag);
+    const Bodies mine = share_of(one, grid, MPI_COMM_WORLD);
+    if (mine.x.size() == 1) bodies.add(x, radius, 1000, v, tag);
+  }
+  /// above: how far the box goes on above the fluid (m).
+  void begin(double above = 0) {
+    ParticleRegion r = make_region(grid, MPI_COMM_WORLD, 0.02);
+    if (r.hi[2] == grid.axis[2].hi()) r.hi[2] += above;
+    coupling = std::make_unique<Coupling>(MPI_COMM_WORLD, settings, fluid, r.lo, r.hi, r.reach);
+    Particles p = bodies.view();
+    coupling->start(p, 1e-3);
+    coupling->force(p, 1e-3, false);
+  }
+  void advance(int steps) {
+    Particles p = bodies.view();
+    for (int s = 0; s < steps - 1; ++s) {
+      for (auto& f : bodies.f) f = {0, 0, 0};
+      coupling->force(p, 1e-3, true);
+    }
+    coupling->advance(p, steps, 1e-3);
+    for (auto& f : bodies.f) f = {0, 0, 0};
+    coupling->force(p, 1e-3, true);
+  }
+};
+
+// All ways of depositing, prolonging and reading, A and B: volume and momentum are kept, particles at walls included.
+TEST(CouplingMethods, VolumeAndMomentumAreKept) {
+  double worst_momentum = 0, worst_volume = 0;
+  for (Deposit deposit : {Deposit::kCentroid, Deposit::kTrilinear, Deposit::kExact, Deposit::kCube})
+    for (Read read : {Read::kCell, Read::kTrilinear, Read::kFine, Read::kFineTrilinear, Read::kKernel, Read::kCube})
+      for (Formulation form : {Formulation::kA, Formulation::kB}) {
+        SmallBox s;
+        s.settings.deposit = deposit;
+        s.settings.read = read;
+        s.settings.formulation = form;
+        s.settings.prolong = form == Formulation::kA ? Prolong::kLinear : Prolong::kConstant;
+        s.settings.kernel_width = 0.3;
+        s.settings.cube_edge = 0.25;
+        s.settings.hold_flux = form == Formulation::kA ? Choice::kOn : Choice::kOff;
+        for (int q = 0; q < 40; ++q)
+          s.add({0.5 + 0.52 * std::sin(1.0 + q), 0.5 + 0.5 * std::cos(2.3 * q), 1 + std::sin(0.7 * q)},
+                {0.1 * q, -0.2, 0.3}, q + 1);
+        s.fluid.set(s.fluid.u_, [](int d, const Vec3& x) { return 2.0 + d + std::sin(3 * x[0] + x[2]); });
+        s.fluid.mean_ = s.fluid.u_;
+        for (int d = 0; d < 3; ++d)  // walls are at rest
+          for_each(s.fluid.u_[d].box(), [&](int i, int j, int k) {
+            if (s.fluid.state_[d](i, j, k) == FaceState::kFixed) s.fluid.u_[d](i, j, k) = s.fluid.mean_[d](i, j, k) = 0;
+          });
+        s.begin();
+        for (int n = 0; n < 3; ++n) {
+          s.advance(4);
+          EXPECT_EQ(s.coupling->report().particles, 40);
+          worst_momentum = std::max(worst_momentum, s.coupling->report().momentum_error);
+          worst_volume = std::max(worst_volume, s.coupling->report().solid_volume_error);
+        }
+      }
+  EXPECT_LE(worst_momentum, 1e-14);
+  EXPECT_LE(worst_volume, 1e-13);
+  if (rank_of(MPI_COMM_WORLD) == 0)
+    printf("             48 methods: momentum error %.1e, volume error %.1e\n", worst_momentum, worst_volume);
+}
+
+// An inserted particle replaces fluid at once: if it counted as motion the fluid would be pushed aside in one interval,
+// a pressure peak. d(eps)/dt is zero at every time in the interval; eps at its begin has changed by the particle's
+// volume.
+TEST(CouplingInsertion, ReplacesFluid) {
+  SmallBox s;
+  s.add({0.3, 0.3, 0.3}, {0, 0, 0}, 1);
+  s.begin();
+  double worst = 0, smallest = 0;
+  long long sources = 0;
+  CellField<FineGrid> before = s.fluid.eps_;
+  s.fluid.on_advance = [&](double D, const VoidFractionInTime& eps, const Interphase& x) {
+    sources += x.replaced;
+    for_each(s.fluid.own_cells_, [&](int i, int j, int k) {
+      const std::ptrdiff_t m = eps.end->index(i, j, k);
+      const double change = eps.at(m, 0, D) - before(i, j, k);
+      smallest = std::min(smallest, change);
+      if (!x.replaced) worst = std::max(worst, std::abs(change));
+      for (double t : {0.0, 0.3, 0.6})
+        worst = std::max(worst, std::abs(eps.at(m, t + 0.1, D) - eps.at(m, t, D)) / (0.1 * D));
+    });
+    before = *eps.end;
+  };
+  s.advance(5);
+  s.add({0.7, 0.6, 1.4}, {0, 0, 0}, 2);
+  s.advance(5);
+  long long all = 0;
+  MPI_Allreduce(&sources, &all, 1, MPI_LONG_LONG, MPI_SUM, MPI_COMM_WORLD);
+  EXPECT_GE(all, 1);
+  EXPECT_LT(worst, 1e-10);
+  double least = 0;
+  MPI_Allreduce(&smallest, &least, 1, MPI_DOUBLE, MPI_MIN, MPI_COMM_WORLD);
+  const double volume = 4.18879020478639098462 * 0.05 * 0.05 * 0.05;
+  EXPECT_NEAR(least, -volume / (0.25 * 0.25 * 0.25), 1e-9 * std::abs(least));
+  EXPECT_NEAR(s.coupling->report().volume_inserted, volume, 1e-15);
+  EXPECT_EQ(s.coupling->report().volume_vanished, 0);
+  s.advance(5);  // no longer new
+  EXPECT_EQ(s.coupling->report().volume_inserted, 0);
+  EXPECT_LT(worst, 1e-10);
+  if (!s.bodies.x.empty() && s.bodies.tag.back() == 2) {
+    EXPECT_GT(s.bodies.step.back()[kDragCoefficient], 0);
+    s.bodies = Bodies();
+  }
+  s.advance(5);
+  EXPECT_GT(s.coupling->report().volume_vanished, 0.9 * volume);
+}
+
+// A particle that moves into the domain pushes fluid aside, unlike one that is inserted there, and its path before that
+// is none of the fluid's affair. Without the test, particles from a feed beside the fluid would take fluid's place
+// without moving it, and those that come back from the freeboard would seem to have run their whole way in one
+// interval.
+TEST(CouplingInsertion, ParticleThatComesInIsNotInserted) {
+  for (bool was_inside : {false, true}) {
+    SmallBox s;
+    s.fluid.open_side(2, true);
+    s.add({0.5, 0.5, was_inside ? 1.99 : 2.1}, {0, 0, -1}, 1);
+    s.begin();
+    auto move = [&](double z) {
+      for (auto& x : s.bodies.x) x[2] = z;
+    };
+    move(2.1);
+    for (int q = 0; q < 3; ++q) s.advance(5);
+    long long sources = 0;
+    s.fluid.on_advance = [&](double, const VoidFractionInTime&, const Interphase& x) { sources += x.replaced; };
+    move(1.9);
+    s.advance(5);
+    EXPECT_EQ(sources, 0) << "was inside: " << was_inside;
+    EXPECT_EQ(s.coupling->report().particles, 1);
+    EXPECT_EQ(s.coupling->report().volume_inserted, 0);
+    for (auto& state : s.bodies.state)
+      EXPECT_NEAR(state[kPathVelocity + 2], -0.2 / 5e-3, 1e-10) << "was inside: " << was_inside;
+  }
+}
+
+// What a particle received before it left the domain still comes back to the fluid.
+TEST(CouplingLedger, LeavingParticleSettlesItsAccount) {
+  SmallBox s;
+  s.fluid.open_side(2, true);
+  s.add({0.5, 0.5, 1.99}, {0, 0, 1}, 1);
+  s.fluid.set(s.fluid.u_, [](int d, const Vec3&) { return d == 2 ? 3.0 : 0.0; });
+  s.fluid.mean_ = s.fluid.u_;
+  s.begin();
+  double source = 0;
+  s.fluid.on_advance = [&](double, const VoidFractionInTime&, const Interphase& x) {
+    source = 0;
+    const Array3<double> f = source_of(x, 2, s.fluid.own_faces_[2]);
+    for (std::size_t m = 0; m < f.size(); ++m) source += f.data()[m];
+  };
+  for (auto& x : s.bodies.x) x[2] = 2.5;
+  s.advance(5);
+  double all = 0;
+  MPI_Allreduce(&source, &all, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  EXPECT_LT(all, 0);
+  EXPECT_LE(s.coupling->report().momentum_error, 1e-14);
+  EXPECT_EQ(s.coupling->report().particles, 0);
+  for (auto& step : s.bodies.step) {
+    EXPECT_EQ(step[kDragCoefficient], 0);
+    EXPECT_EQ(step[kImpulse + 2], 0);
+  }
+}
+
+// Many particles that leave at once, into one node: their sum has to fit, however few stay behind. Integers that
+// overflow would hand the fluid any momentum.
+TEST(CouplingLedger, AllParticlesLeaveAtOnce) {
+  SmallBox s;
+  s.fluid.open_side(2, true);
+  for (int q = 0; q < 50; ++q) s.add({0.55, 0.55, 1.99}, {0, 0, 1}, q + 1);
+  s.fluid.set(s.fluid.u_, [](int d, const Vec3&) { return d == 2 ? 3.0 : 0.0; });
+  s.fluid.mean_ = s.fluid.u_;
+  s.begin();
+  for (auto& x : s.bodies.x) x[2] = 2.5;
+  s.advance(5);
+  EXPECT_EQ(s.coupling->report().particles, 0);
+  EXPECT_LE(s.coupling->report().momentum_error, 1e-14);
+}
+
+// A particle a little outside the box is on its way out, and its volume still counts; where the box goes on, the
+// particles beside the fluid's domain are no part of it. Else a layer of half a skin of them would be squeezed into the
+// outermost nodes.
+TEST(CouplingDomain, EndsWhereTheBoxGoesOn) {
+  for (double above : {0.0, 1.0}) {
+    SmallBox s;
+    s.add({0.5, 0.5, 1.99}, {0, 0, 0}, 1);
+    s.add({0.5, 0.5, 2.01}, {0, 0, 0}, 2);
+    s.begin(above);
+    EXPECT_EQ(s.coupling->report().particles, above > 0 ? 1 : 2);
+    s.advance(5);
+    EXPECT_EQ(s.coupling->report().particles, above > 0 ? 1 : 2);
+  }
+}
+
+// Spheres of two sizes: y = d/<d> with the Sauter mean of the node, whoever holds its particles, and the drag law gets
+// it; both formulations give a particle its drag and the force of the gradient that its node's drag makes, V_p D/eps.
+// With the arithmetic mean, or the mean of a rank's own particles, or the drag over eps, all monodisperse tests would
+// pass.
+TEST(CouplingPolydisperse, SizeRatioIsThatOfTheNodesSauterMean) {
+  for (Formulation form : {Formulation::kA, Formulation::kB}) {
+    SmallBox s;
+    s.settings.drag = "beetstra/poly";
+    s.settings.formulation = form;
+    const double big = 0.05, small = 0.02;
+    // One node, x and y 0.5 to 0.75, z 1 to 1.25: a big one held by the rank below, and three small ones.
+    s.add({0.6, 0.6, 1.01}, {0, 0, 0}, 1, big, {0.6, 0.6, 0.99});
+    for (int q = 0; q < 3; ++q) s.add({0.55 + 0.05 * q, 0.7, 1.2}, {0, 0.3, 0}, 2 + q, small);
+    s.add({0.1, 0.1, 0.1}, {0, 0, 0}, 5, small);  // alone in its node
+    s.fluid.set(s.fluid.u_, [](int d, const Vec3& x) {
+      const bool wall = d == 2 && (x[2] < 1e-9 || x[2] > 2 - 1e-9);
+      return d == 2 && !wall ? 3.0 : 0.0;
+    });
+    s.fluid.mean_ = s.fluid.u_;
+    s.begin();
+    auto verify = [&] {
+      const double sauter = 2 * (std::pow(big, 3) + 3 * std::pow(small, 3)) / (big * big + 3 * small * small);
+      const double solids = 4 * kPi / 3 * (std::pow(big, 3) + 3 * std::pow(small, 3));
+      // Drag of a node's particles per volume and eps; they may be held by several ranks.
+      Vec3 gradient[2] = {{0, 0, 0}, {0, 0, 0}};
+      for (std::size_t q = 0; q < s.bodies.x.size(); ++q)
+        for (int c = 0; c < 3; ++c) {
+          const double slip = s.bodies.step[q][kStepVelocity + c] - s.bodies.v[q][c];
+          gradient[s.bodies.tag[q] == 5][c] +=
+              s.bodies.step[q][kDragCoefficient] * slip / (s.bodies.state[q][kVoidFraction] * std::pow(0.25, 3));
+        }
+      MPI_Allreduce(MPI_IN_PLACE, gradient, 6, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+      for (std::size_t q = 0; q < s.bodies.x.size(); ++q) {
+        const auto& state = s.bodies.state[q];
+        const bool lone = s.bodies.tag[q] == 5;
+        const double volume = 4 * kPi / 3 * std::pow(s.bodies.radius[q], 3);
+        for (int c = 0; c < 3 && form == Formulation::kB; ++c)  // A has the fluid's residual besides
+          EXPECT_NEAR(state[kPressureForce + c], volume * gradient[lone][c],
+                      1e-12 * volume * (1 + std::abs(gradient[lone][c])));
+        const double d = 2 * s.bodies.radius[q], y = lone ? 1.0 : d / sauter;
+        const double eps = 1 - (lone ? 4 * kPi / 3 * std::pow(small, 3) : solids) / std::pow(0.25, 3);
+        EXPECT_NEAR(state[kVoidFraction], eps, 1e-13);
+        EXPECT_NEAR(state[kSizeRatio], y, 1e-13);
+        double slip = 0;
+        for (int c = 0; c < 3; ++c) slip += std::pow(s.bodies.step[q][kStepVelocity + c] - s.bodies.v[q][c], 2);
+        const double b = drag_coefficient(*find_drag_law("beetstra/poly"), eps, d, std::sqrt(slip), 1.2, 1e-2, y);
+        EXPECT_NEAR(s.bodies.step[q][kDragCoefficient] / b, 1, 1e-12);
+      }
+    };
+    verify();
+    for (int n = 0; n < 3; ++n) {
+      s.advance(4);
+      verify();
+      EXPECT_EQ(s.coupling->report().particles, 5);
+      EXPECT_LE(s.coupling->report().momentum_error, 1e-14);
+      EXPECT_LE(s.coupling->report().solid_volume_error, 1e-13);
+    }
+  }
+}
+
+TEST(CouplingOneWay, TheFluidKnowsNothing) {
+  SmallBox s;
+  s.settings.one_way = true;
+  s.settings.formulation = Formulation::kA;
+  s.add({0.5, 0.5, 1.1}, {0, 0, 1}, 1);
+  s.fluid.set(s.fluid.u_, [](int d, const Vec3&) { return d == 2 ? 3.0 : 0.0; });
+  s.fluid.mean_ = s.fluid.u_;
+  s.fluid.set(s.fluid.gradient_, [](int d, const Vec3&) { return d == 2 ? -7.0 : 0.0; });
+  s.fluid.on_advance = [&](double, const VoidFractionInTime& eps, const Interphase& x) {
+    for (std::size_t m = 0; m < eps.end->size(); ++m) EXPECT_EQ(eps.end->data()[m], 1);
+    EXPECT_FALSE(x.reacts() || x.beta_rows);
+  };
+  s.begin();
+  s.advance(5);
+  for (auto& state : s.bodies.state) {
+    EXPECT_NEAR(state[kPressureForce + 2], 7 * 4.18879020478639098462 * 0.05 * 0.05 * 0.05, 1e-15);
+    EXPECT_EQ(state[kVoidFraction], 1);
+    EXPECT_GT(state[kDragForce + 2], 0);
+  }
+  EXPECT_EQ(s.coupling->report().momentum_error, 0);
+}
+
+TEST(CouplingSettings, WhatCannotBeServedIsRefused) {
+  auto sentence = [](const std::function<void(Settings&)>& spoil) {
+    SmallBox s;
+    spoil(s.settings);
+    try {
+      s.begin();
+    } catch (const std::invalid_argument& e) {
+      return std::string(e.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_NE(sentence([](Settings& s) { s.drag = "no/such"; }).find("'no/such'"), std::string::npos);
+  EXPECT_NE(sentence([](Settings& s) { s.eps_min = 1.5; }).find("found 1.5"), std::string::npos);
+  EXPECT_NE(sentence([](Settings& s) { s.read = Read::kKernel; }).find("width above 0"), std::string::npos);
+  EXPECT_NE(sentence([](Settings& s) { s.deposit = Deposit::kCube; }).find("edge above 0"), std::string::npos);
+  EXPECT_NE(sentence([](Settings& s) { s.read = Read::kKernel, s.kernel_width = 50; }).find("at most"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace twogrid_test

@@ -1,0 +1,93 @@
+// The sentences about a coupling's report.
+// What would pass falsely without it: an eps bound that moves most of the solids, or cannot be kept, in silence; a
+// warning at every coupling, or one never again however bad it gets; a remedy that asks for what is there already.
+#include <gtest/gtest.h>
+
+#include "liggghts_fixes/report/coupling_watch.h"
+
+namespace twogrid {
+namespace {
+
+Report good() {
+  Report r;
+  r.solid_volume = 2e-6;
+  r.travel = 0.1;
+  r.solid_volume_error = r.momentum_error = 1e-15;
+  r.eps_min = 0.4;
+  return r;
+}
+
+bool has(const std::string& sentence, const std::string& part) {
+  return sentence.find(part) != std::string::npos;
+}
+
+CouplingWatch move_03() {
+  return CouplingWatch(EpsBound::kMove, 0.3);
+}
+
+TEST(CouplingWatch, SilentWhereAllIsRight) {
+  CouplingWatch w = move_03();
+  EXPECT_TRUE(w.look(good(), 10, 1e-5).empty());
+  Report none;  // no particle at all
+  EXPECT_TRUE(w.look(none, 10, 1e-5).empty());
+  Report edge = good();  // limits themselves are allowed
+  edge.travel = 0.3;
+  edge.volume_moved = 0.01 * edge.solid_volume;
+  edge.solid_volume_error = edge.momentum_error = 1e-9;
+  EXPECT_TRUE(w.look(edge, 10, 1e-5).empty());
+}
+
+TEST(CouplingWatch, OncePerDoubling) {
+  CouplingWatch w = move_03();
+  Report r = good();
+  int said = 0;
+  const double share[] = {0.005, 0.02, 0.02, 0.03, 0.039, 0.05, 0.01, 0.09, 0.2, 0.9};
+  for (double s : share) r.volume_moved = s * r.solid_volume, said += int(w.look(r, 10, 1e-5).size());
+  EXPECT_EQ(said, 4);  // 0.02, 0.05, 0.2, 0.9
+}
+
+TEST(CouplingWatch, EachFigureWithItsOwnSentence) {
+  const auto one = [](void (*change)(Report&), EpsBound bound = EpsBound::kMove) {
+    Report r = good();
+    change(r);
+    const auto said = CouplingWatch(bound, 0.3).look(r, 10, 1e-5);
+    EXPECT_EQ(said.size(), 1u);
+    return said.empty() ? std::string() : said[0];
+  };
+  const std::string moved = one([](Report& r) { r.volume_moved = 1.8e-6; });
+  EXPECT_TRUE(has(moved, "'eps bound move 0.3' moves 90 %") && has(moved, "ratio")) << moved;
+  const std::string clipped = one(
+      [](Report& r) {
+        r.volume_moved = 1.8e-6;
+        r.solid_volume_error = 0.9;
+      },
+      EpsBound::kClip);
+  EXPECT_TRUE(has(clipped, "'eps bound clip 0.3' throws away 90 %")) << clipped;
+  const std::string unplaced = one([](Report& r) {
+    r.volume_unplaced = 1e-7;
+    r.eps_min = 0.2;
+  });
+  EXPECT_TRUE(has(unplaced, "cannot be kept: 5 %") && has(unplaced, "down to 0.2")) << unplaced;
+  EXPECT_TRUE(has(one([](Report& r) { r.solid_volume_error = 2e-9; }), "f_ID[6]"));
+  EXPECT_TRUE(has(one([](Report& r) { r.momentum_error = 2e-9; }), "f_ID[7]"));
+}
+
+TEST(CouplingWatch, TravelNamesWhatCanBeLowered) {
+  const auto remedy = [](double travel, int steps) {
+    Report r = good();
+    r.travel = travel;
+    const auto said = move_03().look(r, steps, 1e-5);
+    return said.empty() ? std::string() : said[0];
+  };
+  EXPECT_TRUE(has(remedy(0.6, 10), "lower every to 5")) << remedy(0.6, 10);
+  EXPECT_TRUE(has(remedy(0.31, 2), "lower every to 1")) << remedy(0.31, 2);
+  EXPECT_TRUE(has(remedy(6, 10), "lower every to 1 and timestep to 5e-06 s")) << remedy(6, 10);
+  EXPECT_TRUE(has(remedy(0.6, 1), "lower timestep to 5e-06 s")) << remedy(0.6, 1);
+  EXPECT_FALSE(has(remedy(0.6, 1), "every"));
+  EXPECT_TRUE(has(remedy(0.6, 1), "ratio"));
+  // The first deposit is no interval.
+  EXPECT_EQ(remedy(0.6, 0), "");
+}
+
+}  // namespace
+}  // namespace twogrid

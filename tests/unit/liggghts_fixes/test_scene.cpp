@@ -1,0 +1,255 @@
+// The scene report's numbers, the command line and the progress line.
+// What would pass falsely without it: a number of the report that is wrong by a factor (no run depends on it, so that
+// nothing else would notice); a PETSc option that reaches LIGGGHTS, which ends on it, or a LIGGGHTS switch that
+// doesn't.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupling/methods.h"
+#include "liggghts_fixes/report/progress.h"
+#include "liggghts_fixes/report/scene_report.h"
+#include "liggghts_fixes/run/command_line.h"
+#include "liggghts_fixes/script/script_parser.h"
+
+namespace twogrid {
+namespace {
+
+Settings scene() {
+  Settings s;
+  s.id = "gas";
+  choose(*find_method("paper"), 0, s);
+  s.domain = {0, 0.04, 0, 0.01, 0, 0.2};
+  s.fine = {40, 10, 200};
+  s.ratio = {4, 5, 4};
+  s.every = 10;
+  s.fluid.density = 1.2;
+  s.fluid.viscosity = 1.8e-5;
+  for (auto& side : s.fluid.side) side.resize(1);
+  s.fluid.side[kZlo][0].kind = BoundaryKind::kInlet;
+  s.fluid.side[kZlo][0].velocity = {0, 0, 0.9};
+  s.fluid.side[kZhi][0].kind = BoundaryKind::kPressure;
+  return s;
+}
+
+SceneFacts facts() {
+  SceneFacts f;
+  f.particles = 9240;
+  f.d_min = f.d_mean = f.d_max = 1.2e-3;
+  f.density = 1000;
+  f.gravity = {0, 0, -9.81};
+  f.dem_dt = 1e-5;
+  f.contact_time = 2e-4;
+  return f;
+}
+
+bool any_with(const std::vector<std::string>& list, const std::string& part) {
+  return std::any_of(list.begin(), list.end(), [&](const std::string& s) { return s.find(part) != std::string::npos; });
+}
+
+TEST(SceneNumbersOf, MinimumFluidisationSolvesErgun) {
+  const double d = 1.2e-3, rho_p = 1000, rho = 1.2, mu = 1.8e-5, g = 9.81, e = 0.4;
+  const double U = minimum_fluidisation(d, rho_p, rho, mu, g, e);
+  const double drop =
+      150 * mu * (1 - e) * (1 - e) * U / (e * e * e * d * d) + 1.75 * rho * (1 - e) * U * U / (e * e * e * d);
+  EXPECT_NEAR(drop, (rho_p - rho) * g * (1 - e), 1e-9 * drop);
+}
+
+TEST(SceneNumbersOf, Definitions) {
+  const Settings s = scene();
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  const SceneNumbers n = scene_numbers(s, grid, facts());
+  EXPECT_NEAR(n.h_min, 0.001, 1e-12);
+  EXPECT_NEAR(n.h_coarse, 0.004, 1e-12);
+  EXPECT_EQ(n.U, 0.9);
+  EXPECT_NEAR(n.Re, 1.2 * 0.9 * 1.2e-3 / 1.8e-5, 1e-9);
+  EXPECT_NEAR(n.Stokes, 1000 * 0.9 * 1.2e-3 / (9 * 1.8e-5), 1e-6);
+  // In a bed that is just fluidised the drag (B: over eps) carries the buoyant weight: tau of A's drag is
+  // U / (eps g') / eps with slip U/eps, that is rho_p/(rho_p - rho_f) U_mf/(eps^2 g).
+  EXPECT_NEAR(n.tau, 1000 / (1000 - 1.2) * n.Umf / (0.4 * 0.4 * 9.81), 1e-3 * n.tau);
+  EXPECT_NEAR(n.cfl, 0.9 * 1e-4 / 0.001, 1e-12);
+}
+
+TEST(SceneNumbersOf, AutomaticEveryStaysWithinCellsAndResponse) {
+  Settings s = scene();
+  SceneNumbers n;
+  n.h_min = 0.001, n.U = 1, n.tau = 1;
+  EXPECT_EQ(automatic_every(n, s, 1e-5), 40);  // cfl 0.4: 4e-4 s
+  n.tau = 1e-4;
+  EXPECT_EQ(automatic_every(n, s, 1e-5), 5);
+  n.tau = 1e-9;
+  EXPECT_EQ(automatic_every(n, s, 1e-5), 1);
+  n = SceneNumbers();
+  n.h_min = 1;
+  EXPECT_EQ(automatic_every(n, s, 1e-5), 100);
+}
+
+TEST(SceneWarnings, WallsInsideTheDomain) {
+  const Settings s = scene();
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  SceneFacts f = facts();
+  WallFacts floor;
+  floor.id = "floor", floor.normal = 2, floor.position = 0;
+  f.walls.push_back(floor);
+  EXPECT_FALSE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "floor"));
+  f.walls[0].position = 0.01;
+  EXPECT_TRUE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "zlo 0.01"));
+  f.walls[0].position = 0.19;
+  EXPECT_TRUE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "zhi 0.19"));
+  f.walls[0].normal = -1;
+  f.walls[0].bounds = {0, 0, 0, 0.01, 0, 0.2};  // a mesh that lies in the side xlo
+  EXPECT_FALSE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "floor"));
+  f.walls[0].bounds = {0.01, 0.03, 0, 0.01, 0, 0.05};
+  EXPECT_TRUE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "mesh"));
+}
+
+TEST(SceneWarnings, EachHasItsCause) {
+  Settings s = scene();
+  SceneFacts f = facts();
+  const auto warnings = [&] {
+    const FineGrid grid = fine_grid(s, {false, false, false});
+    return scene_warnings(s, grid, f, scene_numbers(s, grid, f));
+  };
+  EXPECT_TRUE(warnings().empty());
+  f.contact_time = 5e-5;
+  EXPECT_TRUE(any_with(warnings(), "timestep"));
+  f = facts();
+  s.ratio = {1, 1, 1};
+  EXPECT_TRUE(any_with(warnings(), "ratio"));
+  s = scene();
+  s.one_way = true;
+  EXPECT_TRUE(any_with(warnings(), "one-way"));
+  s = scene();
+  s.hold_flux = Choice::kOff;
+  s.every = 20000;  // 0.2 s; tau is 0.23 s
+  EXPECT_TRUE(any_with(warnings(), "response times"));
+  EXPECT_TRUE(any_with(warnings(), "fine cells in one coupling interval"));
+}
+
+TEST(SceneWarnings, NoneAtTheLimitItself) {
+  Settings s = scene();
+  SceneFacts f = facts();
+  s.domain = {0, 0.048, 0, 0.0192, 0, 0.24};  // cells of 1.2, 1.92 and 1.2 mm
+  f.d_min = f.d_mean = f.d_max = 1.2e-3;
+  s.ratio = {2, 2, 2};  // particle cells of two diameters
+  s.deposit = Deposit::kCentroid;
+  const auto rough = [&] {
+    const FineGrid grid = fine_grid(s, {false, false, false});
+    return any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "below 2");
+  };
+  EXPECT_FALSE(rough());
+  f.d_max = 1.2001e-3;
+  EXPECT_TRUE(rough());
+}
+
+TEST(SceneWarnings, NoiseOfParticlesThatChangeCellsAtOnce) {
+  Settings s = scene();
+  SceneFacts f = facts();
+  const auto noise = [&] {
+    const FineGrid grid = fine_grid(s, {false, false, false});
+    return any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "deposit centroid");
+  };
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  // V_p over 10 steps of 1e-5 s and the smallest side of a particle cell, 4 x 4 mm2
+  EXPECT_NEAR(scene_numbers(s, grid, f).noise, M_PI / 6 * 1.728e-9 / (1e-4 * 1.6e-5), 1e-4);
+  s.deposit = Deposit::kCentroid;
+  EXPECT_FALSE(noise());  // 0.57 of 0.9 m/s
+  f.dem_dt = 1e-6;
+  EXPECT_TRUE(noise());
+  for (const Deposit smooth : {Deposit::kTrilinear, Deposit::kExact}) {
+    s.deposit = smooth;
+    EXPECT_FALSE(noise());
+  }
+  s.deposit = Deposit::kCentroid;
+  f.still = true;  // nothing changes its cell
+  EXPECT_FALSE(noise());
+}
+
+TEST(SceneReportText, InletsThatFollowAVariable) {
+  Settings s = scene();
+  double U = 0;
+  s.fluid.side[kZlo][0].velocity_now = [&] { return Vec3{0, 0, U}; };
+  SceneFacts f = facts();
+  const auto report = [&] {
+    return scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), f);
+  };
+  EXPECT_NE(report().find("of minimum fluidisation (an inlet's variable is 0 now)"), std::string::npos);
+  EXPECT_NE(report().find("hold for its value now"), std::string::npos);
+  U = 2;
+  EXPECT_NE(report().find("2 m/s now (variable)"), std::string::npos);
+  U = 0, f.density = 0;  // no U_mf either
+  EXPECT_NE(report().find("unknown: an inlet's variable is 0 now"), std::string::npos);
+  s.fluid.side[kZlo][0].velocity_now = nullptr;
+  EXPECT_EQ(report().find("variable"), std::string::npos);
+}
+
+TEST(SceneReportText, SkinFarFromTheBest) {
+  const Settings s = scene();
+  const auto report = [&](double skin, double script = -1) {
+    SceneFacts f = facts();
+    f.skin = skin * f.d_mean;
+    f.script_skin = script < 0 ? -1 : script * f.d_mean;
+    return scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), f);
+  };
+  EXPECT_NE(report(0.1).find("0.1 diameters; 0.25 to 0.7"), std::string::npos);
+  EXPECT_NE(report(0.9).find("0.9 diameters; 0.25 to 0.7"), std::string::npos);
+  EXPECT_EQ(report(0.4).find("neighbour skin"), std::string::npos);
+  EXPECT_NE(report(0.4, 0.1).find("0.4 diameters (the script's is"), std::string::npos);
+}
+
+TEST(SceneReportText, SaysGridsSidesAndDefaults) {
+  const Settings s = scene();
+  const std::string r =
+      scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), facts());
+  for (const char* part : {"40 x 10 x 200", "10 x 2 x 50", "zlo", "inlet", "pressure 0 Pa",
+                           "slip (not given in the script)", "U/U_mf", "Re = ", "9240", "not modelled", "20 steps"})
+    EXPECT_NE(r.find(part), std::string::npos) << part << "\n" << r;
+}
+
+TEST(CommandLine, ParticlesChoosesTheKernel) {
+  EXPECT_EQ(split_command_line({"twogrid", "-in", "in.bed"}).particles, "auto");
+  const CommandLine c = split_command_line({"twogrid", "-particles", "stock", "-in", "in.bed"});
+  EXPECT_EQ(c.particles, "stock");
+  EXPECT_EQ(c.liggghts, (std::vector<std::string>{"twogrid", "-in", "in.bed"}));
+  EXPECT_THROW(split_command_line({"twogrid", "-particles"}), std::invalid_argument);
+}
+
+TEST(CommandLineWords, AreSharedOut) {
+  const CommandLine c =
+      split_command_line({"twogrid", "-in", "in.jet", "-fluid_pressure_rtol", "1e-12", "-var", "U", "1", "2",
+                          "-log_view", "-screen", "none", "-ksp_monitor", "-log", "none", "-var", "x", "-3"});
+  EXPECT_EQ(c.liggghts, (std::vector<std::string>{"twogrid", "-in", "in.jet", "-var", "U", "1", "2", "-screen",
+                                                  "/dev/null", "-log", "none", "-var", "x", "-3"}));
+  EXPECT_EQ(c.petsc,
+            (std::vector<std::string>{"twogrid", "-fluid_pressure_rtol", "1e-12", "-log_view", "-ksp_monitor"}));
+  EXPECT_TRUE(split_command_line({"twogrid", "-version"}).version);
+  EXPECT_THROW(split_command_line({"twogrid", "-inn", "in.jet"}), std::invalid_argument);
+  EXPECT_THROW(split_command_line({"twogrid", "-in"}), std::invalid_argument);
+  EXPECT_THROW(split_command_line({"twogrid", "in.jet"}), std::invalid_argument);
+  EXPECT_THROW(split_command_line({"twogrid", "-partition", "2x1"}), std::invalid_argument);
+}
+
+TEST(ProgressLine, ComesWhenDue) {
+  Progress p;
+  p.begin(100, 1000);
+  EXPECT_EQ(p.line(105, 10, 0.1), "");
+  EXPECT_EQ(p.line(120, 200, 0.25), "twogrid: t = 0.25 s, 20.0 % of this run done, 1 min 20 s to go");
+  EXPECT_EQ(p.line(121, 210, 0.26), "");
+  EXPECT_EQ(p.line_within(129, 300, 0.25, 5, 0.26), "");
+  EXPECT_EQ(p.line_within(131, 300, 0.25, 20, 0.26),
+            "twogrid: t = 0.26 s, within a coupling: 300 fluid steps are 25.0 % of its interval, 1 min 00 s to go");
+  EXPECT_EQ(duration(3725), "1 h 02 min");
+  EXPECT_EQ(duration(12.34), "12.3 s");
+}
+
+TEST(ProgressLine, SharesAddUp) {
+  Shares s;
+  s.deposit = 1, s.map = 2, s.fluid = 3, s.output = 0.5, s.force = 0.5;
+  const std::string text = shares_text(5, 10, s);
+  for (const char* part : {"DEM 30.0 %", "deposit 10.0 %", "map and read 20.0 %", "fluid 30.0 %", "output 5.0 %"})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace twogrid
