@@ -210,7 +210,7 @@ constexpr DragLaw kLaws[] = {
     {"kochhill", koch_hill, F_of<koch_hill>, "Koch & Hill 2001; Hill, Koch & Ladd 2001"},
     {"beetstra", beetstra, F_of<beetstra>, "Beetstra, van der Hoef & Kuipers 2007"},
     {"beetstra/poly", beetstra_poly, F_of<beetstra_poly>,
-     "Beetstra, van der Hoef & Kuipers 2007 with erratum; van der Hoef et al. 2005"},
+     "Beetstra, van der Hoef & Kuipers 2007 with erratum; van der Hoef et al. 2005", true},
     {"tenneti", tenneti, F_of<tenneti>, "Tenneti, Garg & Subramaniam 2011"},
     {"syamlal", syamlal_obrien, F_of<syamlal_obrien>,
      "Syamlal & O'Brien 1987 as in Syamlal, Rogers & O'Brien 1993; Garside & Al-Dibouni 1977; Dalla Valle 1948"},
@@ -229,6 +229,13 @@ const DragLaw* find_drag_law(const std::string& name) {
 std::string drag_law_names() {
   std::string names;
   for (const DragLaw& law : kLaws) names += (names.empty() ? "" : " ") + std::string(law.name);
+  return names;
+}
+
+std::string mixture_law_names() {
+  std::string names;
+  for (const DragLaw& law : kLaws)
+    if (law.for_mixtures) names += (names.empty() ? "" : " ") + std::string(law.name);
   return names;
 }
 

@@ -29,7 +29,8 @@ struct DragLaw {
   /// F of n particles at once, n a multiple of kDragBatch: to some units in the last place the same, and the same
   /// whatever the place of a particle in the arrays.
   void (*F_of)(int n, const double* eps, const double* Re, const double* y, double* F);
-  const char* reference;  ///< author, year, equation
+  const char* reference;      ///< author, year, equation
+  bool for_mixtures = false;  ///< looks at y; the other laws know one size
 };
 
 /// The law called `name`, or nullptr if there is none. Lives as long as the program.
@@ -37,6 +38,8 @@ const DragLaw* find_drag_law(const std::string& name);
 
 /// All names, separated by blanks, for error messages.
 std::string drag_law_names();
+/// Those of laws for mixtures.
+std::string mixture_law_names();
 
 /// b_p (kg/s) of a particle of diameter d (m) at slip = |u - v| (m/s) in a fluid of rho_f (kg/m3) and mu (Pa s).
 inline double drag_coefficient(const DragLaw& law, double eps, double d, double slip, double rho_f, double mu,

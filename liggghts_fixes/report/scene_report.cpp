@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "cfd/boundary/patches.h"
+#include "coupling/forces/drag.h"
 #include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
@@ -17,6 +18,10 @@ std::string three(const Int3& v, const char* between = " x ") {
 }
 std::string three(const Vec3& v, const char* between = " ") {
   return text(v[0]) + between + text(v[1]) + between + text(v[2]);
+}
+
+bool sizes_differ(const SceneFacts& facts) {
+  return facts.d_max > facts.d_min * (1 + 1e-9);
 }
 
 double smallest_width(const Axis& axis, int block) {
@@ -130,10 +135,38 @@ int automatic_every(const SceneNumbers& n, const Settings& s, double dem_dt) {
   return std::clamp(int(interval / dem_dt), 1, 100);
 }
 
+/// What the drag of a bed that ends somewhere in a particle cell falls short by, of its pressure drop: c D/H, D the
+/// particle cell along gravity, H the height of the particles settled to eps = 0.4. c: means over places of the end, in
+/// the study bed_end (cases/studies). 0: no bed to speak of.
+static double short_at_bed_end(const Settings& s, const FineGrid& grid, const SceneFacts& facts, double* height) {
+  int along = 0;
+  for (int d = 1; d < 3; ++d)
+    if (std::abs(facts.gravity[d]) > std::abs(facts.gravity[along])) along = d;
+  if (facts.gravity[along] == 0 || facts.particles == 0 || s.fine[along] == 1 || grid.axis[along].periodic()) return 0;
+  double section = 1;
+  for (int d = 0; d < 3; ++d)
+    if (d != along) section *= grid.axis[d].length();
+  *height = double(facts.particles) * M_PI / 6 * facts.d_mean * facts.d_mean * facts.d_mean / (0.6 * section);
+  const double D = grid.axis[along].length() / s.fine[along] * s.ratio[along];
+  return (s.deposit == Deposit::kTrilinear ? 0.41 : 0.29) * D / *height;
+}
+
 std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid, const SceneFacts& facts,
                                         const SceneNumbers& n, bool every_auto) {
   std::vector<std::string> w;
   const double d = facts.d_max;
+  const DragLaw* const law = find_drag_law(s.drag);
+  if (sizes_differ(facts) && law && !law->for_mixtures)
+    w.push_back("diameters from " + brief(facts.d_min) + " to " + brief(facts.d_max) + " m, and the drag law " +
+                s.drag +
+                " knows one size: it takes each particle for one among its like; for mixtures there is 'drag " +
+                mixture_law_names() + "'");
+  double height = 0;
+  const double missing = short_at_bed_end(s, grid, facts, &height);
+  if (missing > 0.05)
+    w.push_back("a bed of " + brief(height) + " m holds few particle cells: where it ends, drag falls short by about " +
+                brief(100 * missing) + " % of its pressure drop; lower ratio along gravity" +
+                (s.deposit == Deposit::kTrilinear ? ", or 'method sharp'" : ""));
   if (d > 0 && below(n.h_coarse, 2 * d) && (s.deposit == Deposit::kCentroid || s.deposit == Deposit::kTrilinear))
     w.push_back("the smallest particle cell is " + brief(n.h_coarse / d) +
                 " particle diameters, below 2, so that the void fraction is rough: raise ratio, or 'deposit exact'");
@@ -222,7 +255,8 @@ std::vector<std::string> scene_savings(const Settings& s, const SceneFacts& fact
           "no particle moves: contacts and drag only at couplings and outputs, void fraction once, no kicks");
     if (s.hold_flux == Choice::kOff) text.push_back("the flux between couplings: hold off");
   }
-  if (s.formulation == Formulation::kB) text.push_back("forces of grad p on particles: formulation B");
+  if (s.formulation == Formulation::kB && !sizes_differ(facts))
+    text.push_back("forces of grad p on particles: formulation B with one size, their share is in the drag over eps");
   if (facts.d_min == facts.d_max && facts.d_max > 0) text.push_back("mean diameters: all particles are of one size");
   if (s.fluid.convection == Convection::kNone) text.push_back("convection: none");
   return text;
@@ -267,7 +301,10 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
   for (int f : s.fine) components -= f == 1;
   line("modelled", "volume-averaged flow, " + std::to_string(components) + " velocity components, formulation " +
                        (s.formulation == Formulation::kA ? "A" : "B") + ", drag " + s.drag +
-                       (s.formulation == Formulation::kA ? ", pressure gradient force" : "") +
+                       (s.formulation == Formulation::kA ? ", pressure gradient force"
+                        : sizes_differ(facts) && !s.one_way
+                            ? ", and V_p times the pressure gradient that the drag makes, as sizes differ"
+                            : "") +
                        (s.fluid.gap_friction ? ", gap friction" : "") + (s.one_way ? ", one-way" : ""));
   line("not modelled", "turbulence, heat, species, lift, virtual mass, Basset force, rotation by the fluid");
   for (const std::string& saving : scene_savings(s, facts)) line("not computed", saving);
@@ -308,6 +345,10 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
   if (facts.others > 0)
     line("outside the group",
          std::to_string(facts.others) + " particles that the fluid doesn't see: no volume, no drag");
+  double bed_height = 0;
+  if (const double missing = short_at_bed_end(s, grid, facts, &bed_height))
+    line("bed's end", "a settled bed of " + brief(bed_height) + " m: drag short by about " + brief(100 * missing) +
+                          " % of its pressure drop");
   line("gravity", three(facts.gravity) + " m/s2" +
                       (facts.weights_differ ? " on average: not all particles have the same" : "") +
                       (facts.gravity_varies ? ", and what follows a variable" : ""));

@@ -127,6 +127,37 @@ TEST(SceneWarnings, EachHasItsCause) {
   EXPECT_TRUE(any_with(warnings(), "fine cells in one coupling interval"));
 }
 
+// Two sizes: which form of formulation B is used is said, and a law for one size is warned of, with those for mixtures.
+TEST(SceneReportText, MixturesOfSizes) {
+  Settings s = scene();
+  SceneFacts f = facts();
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  const auto report = [&] { return scene_report(s, {false, false, false, false, true, true}, false, grid, f); };
+  EXPECT_EQ(report().find("as sizes differ"), std::string::npos);
+  EXPECT_EQ(report().find("beetstra/poly"), std::string::npos);
+  f.d_max = 3 * f.d_min;
+  EXPECT_NE(report().find("as sizes differ"), std::string::npos);
+  EXPECT_NE(report().find("for mixtures there is 'drag beetstra/poly'"), std::string::npos);
+  s.drag = "beetstra/poly";
+  EXPECT_EQ(report().find("for mixtures"), std::string::npos);
+}
+
+// 9240 spheres of 1.2 mm on 40 x 10 mm2 settle to 34.83 mm; particle cells of 4 mm.
+TEST(SceneReportText, ABedThatHoldsFewParticleCells) {
+  Settings s = scene();
+  SceneFacts f = facts();
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  const auto report = [&] { return scene_report(s, {false, false, false, false, true, true}, false, grid, f); };
+  EXPECT_NE(report().find("0.03483 m: drag short by about 3.33 %"), std::string::npos) << report();
+  EXPECT_EQ(report().find("holds few particle cells"), std::string::npos);
+  choose(*find_method("smooth"), 0, s);
+  f.particles = 4620;
+  EXPECT_NE(report().find("short by about 9.416 %"), std::string::npos) << report();
+  EXPECT_NE(report().find("'method sharp'"), std::string::npos);
+  f.gravity = {0, 0, 0};
+  EXPECT_EQ(report().find("bed's end"), std::string::npos);
+}
+
 TEST(SceneWarnings, NoneAtTheLimitItself) {
   Settings s = scene();
   SceneFacts f = facts();
