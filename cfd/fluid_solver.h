@@ -23,35 +23,34 @@
 #include <mpi.h>
 
 #include <functional>
-#include <memory>
 
-#include "cfd/boundary/boundaries.h"
+#include "cfd/fluid/domain.h"
+#include "cfd/fluid/flow_rate.h"
 #include "cfd/fluid/fluid.h"
 #include "cfd/fluid/fluid_state.h"
+#include "cfd/fluid/interval_means.h"
+#include "cfd/fluid/monitors.h"
+#include "cfd/fluid/predictor.h"
+#include "cfd/fluid/projection.h"
+#include "cfd/fluid/time_step.h"
 #include "cfd/fluid_settings.h"
-#include "cfd/momentum/momentum.h"
-#include "cfd/parallel/block_exchange.h"
 
 namespace twogrid {
-
-class PressureSolver;
-class ViscousSolver;
 
 class FluidSolver : public Fluid {
  public:
   /// Collective. The settings are copied. Throws std::invalid_argument with a sentence when they can't be right.
   FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, const FluidSettings& settings);
-  ~FluidSolver() override;
 
-  const FineGrid& grid() const override { return grid_; }
-  const Layout& layout() const override { return layout_; }
+  const FineGrid& grid() const override { return domain_.grid; }
+  const Layout& layout() const override { return domain_.layout; }
   double density() const override { return settings_.density; }
   double viscosity() const override { return settings_.viscosity; }
-  const Array3<FaceState>& face_state(int d) const override { return boundaries_.state(d); }
+  const Array3<FaceState>& face_state(int d) const override { return domain_.boundaries.state(d); }
   const FaceField<FineGrid>& velocity() const override { return state_.u; }
   const FaceField<FineGrid>& mean_velocity() const override { return state_.one_step ? state_.u : state_.mean_u; }
   const FaceField<FineGrid>& mean_pressure_gradient() const override { return state_.mean_grad_p; }
-  void keep_pressure_gradient() override { keep_grad_p_ = true; }
+  void keep_pressure_gradient() override { means_.keep_pressure_gradient = true; }
   const CellField<FineGrid>& pressure() const override { return state_.p; }
   const CellField<FineGrid>& void_fraction() const override { return state_.eps[0]; }
   double time() const override { return state_.time; }
@@ -68,7 +67,7 @@ class FluidSolver : public Fluid {
     settings_.cfl = std::min(cfl, FluidSettings::largest_cfl(settings_.convection));
   }
   /// Most fluid steps of an interval: advance throws std::runtime_error, on all ranks, when it would need more.
-  static constexpr int kMostSteps = 10000;
+  static constexpr int kMostSteps = TimeStep::kMostSteps;
   /// after(steps, share): called on all ranks after every fluid step of an interval but its last, with the number of
   /// steps done and the share of the interval behind them. It may throw, on all ranks alike.
   void watch_steps(std::function<void(int, double)> after) { after_step_ = std::move(after); }
@@ -76,8 +75,8 @@ class FluidSolver : public Fluid {
   /// Settings that may change between runs (inlet values, tolerances); the grid and the kinds of boundary may not.
   FluidSettings& settings() { return settings_; }
   const FluidState& state() const { return state_; }
-  const Boundaries& boundaries() const { return boundaries_; }
-  const Momentum& momentum() const { return momentum_; }
+  const Boundaries& boundaries() const { return domain_.boundaries; }
+  const GridMeasures& measures() const { return domain_.measures; }
 
   /// For verification: the state at two levels, t^n = time and t^{n-1} = time - dt_previous. The fields cover own
   /// values and are copied; halos are filled here. Collective.
@@ -85,82 +84,31 @@ class FluidSolver : public Fluid {
                  const CellField<FineGrid>& eps, double dt_previous, const FaceField<FineGrid>& u_previous,
                  const CellField<FineGrid>& eps_previous);
   /// rho sum of eps u V over solved faces: momentum of the fluid (N s). Collective.
-  Vec3 total_momentum() const;
+  Vec3 total_momentum() const { return monitors_.total_momentum(state_); }
   /// Momentum that BDF2 has still to hand on: rho/2 ((eps u V)^n - (eps u V)^{n-1}); total + pending changes by exactly
   /// force times dt when the step is constant. Collective.
-  Vec3 pending_momentum() const;
+  Vec3 pending_momentum() const { return monitors_.pending_momentum(state_); }
 
  private:
-  /// A time step and its BDF2 weights.
-  struct Step {
-    double dt, r, a0, a1, a2;
-    double s1 = 0, s2 = 0;  // u~ += s1 (u^n - u^{n-1}) - s2 (u^{n-1} - u^{n-2}); central convection
-  };
-  double difference_from(const FluidState& other) const;
-  Step formula(double dt) const;
-  void add_vortex();
   void make_continuous();
-  double allowed_dt(double left, double interval);  // left: of the interval
-  void refuse_steps_below(double limit, double interval) const;
-  void set_face_eps();
-  void next_level(const VoidFractionInTime& eps, double s, double interval);
-  void previous_level();
-  void replace(const CellField<FineGrid>& now, bool same_flux);
-  void extrapolate(const Step& step);
-  void measure_inlet_head();
-  void begin_means();
-  bool has(int side, BoundaryKind kind) const;
-  bool central() const { return settings_.convection == Convection::kCentral; }
-  void predict(const Step& step, const Interphase& exchange);
-  void project(const Step& step, const Interphase& exchange, FluidReport& report);
-  void balance_outlets(double sum);
-  void correct();
-  void hold_flow_rate(const Interphase& exchange);
-  void accept(const Step& step, double interval);
-  void measure(const Step& step, double share, FluidReport& report);  // share: of the interval
-  void rotate_pressure();
-  void predict_rows(const Step& step, const Interphase& exchange, FaceField<FineGrid>& rhs);
-  template <int d>
-  void predict_component(const Step& step, const Interphase& exchange, FaceField<FineGrid>& rhs);
-  void inertia_row(const double* e, const double* beta, int n, double* A) const;
-  void set_conductance(const Interphase& exchange);
-  void conductance_rows(const Interphase& exchange);
-  template <int d>
-  void conductance_component(const Interphase& exchange);
-  void missing_continuity(double& scale, double& sum);
-  void correct_rows();
-  template <int d>
-  void correct_component();
-  void add_to_means(double share);
-  template <int d>
-  void add_gradient(double share);
-  void largest_imbalance(double& worst, double& displaced) const;
-  void courant_rows(const FaceField<FineGrid>& u, double& rate, double& finite) const;
-  double courant_rate(const FaceField<FineGrid>& u) const;
-  void fill(FaceField<FineGrid>& u, bool ghosts = true) const;
-  void fill(CellField<FineGrid>& c) const;
+  void check_finite(double cfl, const Step& step) const;
+  void accept(const Step& step);
 
-  MPI_Comm comm_;
-  int rank_ = 0;
-  FineGrid grid_;
-  Layout layout_;
   FluidSettings settings_;
-  Box own_;
-  Boundaries boundaries_;
-  Box local_;                 // of all fields
-  std::array<Box, 3> faces_;  // own faces
-  Momentum momentum_;
-  BlockExchange cell_halo_;
-  FaceExchange face_halo_;
-  std::unique_ptr<PressureSolver> pressure_solver_;
-  std::unique_ptr<ViscousSolver> viscous_solver_;  // made when first needed
-
+  FluidDomain domain_;
   FluidState state_;
+
+  TimeStep time_step_;
+  Predictor predictor_;
+  Projection projection_;
+  FlowRate flow_rate_;
+  IntervalMeans means_;
+  Monitors monitors_;
 
   // Work. Fields that are never needed at the same time share memory. Doubles a cell, H: on own cells and the halo, else
   // on own cells:
   //   H  u 3, u_old 3 (central convection: u_older 3), u_next_ 3, u_tilde_ 3, eps_f 3, eps 3, p 1, phi 1: together 20, and 3 bytes of face states
-  //      imbalance_ 1; pressure solver: solution 1, conjugate gradients 3; with it 36 bytes a cell of each multigrid
+  //      imbalance 1; pressure solver: solution 1, conjugate gradients 3; with it 36 bytes a cell of each multigrid
   //      level and its halo of one (single precision; all levels: 1.4 to 1.7 times the finest)
   //      only when asked for: mean_u 3 (intervals of several steps), mean_grad_p 3 (formulation A, accuracy)
   //   H  in the coupling: VoidHistory 4; formulation A: Residual 3
@@ -168,16 +116,6 @@ class FluidSolver : public Fluid {
   FaceField<FineGrid> u_next_;                   // right-hand side of the predictor, u*, u^{n+1}
   FaceField<FineGrid> u_tilde_;                  // u~, until the predictor is done
   FaceField<FineGrid>& conductance_ = u_tilde_;  // from then on
-  CellField<FineGrid> imbalance_;
-  double inertia_per_eps_ = 0;  // A = inertia_per_eps eps + beta (kg/(m3 s))
-  // Allocated when first needed.
-  FaceField<FineGrid> rhs_, inertia_;  // implicit viscosity: right-hand side and A
-  CellField<FineGrid> divergence_;     // implicit viscosity: imbalance_ before the pressure solver uses it
-  CellField<FineGrid> response_rhs_;   // of the potential that answers a unit mean gradient
-  bool keep_grad_p_ = false;
-  mutable std::vector<double> row_a_, row_b_;  // one value a cell of a row; made rows of the exchange are in row_b_
-  double inlet_head_ = 0;  // own inlet faces: momentum flux through the first cells' centres less that entering, N
-  bool implicit_viscosity_ = false;
   std::function<void(int, double)> after_step_;
 };
 

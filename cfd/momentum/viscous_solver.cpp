@@ -9,9 +9,9 @@ namespace twogrid {
 
 class ViscousSolver::Impl {
  public:
-  Impl(MPI_Comm comm, const Boundaries& boundaries, Momentum& momentum, const std::array<Box, 3>& faces,
-       const Box& local, const FaceExchange& halo)
-      : boundaries_(boundaries), momentum_(momentum), faces_(faces), halo_(halo) {
+  Impl(MPI_Comm comm, const Boundaries& boundaries, const GridMeasures& measures, ViscousTerm& stress,
+       const std::array<Box, 3>& faces, const Box& local, const FaceExchange& halo)
+      : boundaries_(boundaries), measures_(measures), stress_(stress), faces_(faces), halo_(halo) {
     for (int d = 0; d < 3; ++d) {
       for (auto* f : {&work_, &force_, &diagonal_}) (*f)[d].reset(local);
       if (!boundaries.component_solved(d)) continue;
@@ -40,7 +40,7 @@ class ViscousSolver::Impl {
   int solve(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& inertia,
             const FaceField<FineGrid>& rhs, FaceField<FineGrid>& u) {
     mu_ = mu, eps_ = &eps, inertia_ = &inertia;
-    momentum_.viscous_diagonal(mu, eps, diagonal_);
+    stress_.diagonal(mu, eps, diagonal_);
     // The residual of the guess, with the sides' own values, is the right-hand side for a correction that is zero
     // there.
     for (int d = 0; d < 3; ++d) work_[d] = u[d];
@@ -78,12 +78,12 @@ class ViscousSolver::Impl {
     halo_.bring(work_);
     boundaries_.apply(work_, homogeneous);
     for (auto& f : force_) f.fill(0);
-    momentum_.viscous(mu_, *eps_, work_, force_);
+    stress_.add(mu_, *eps_, work_, force_);
     for (int d = 0; d < 3; ++d)
       for_each(faces_[d], [&](int i, int j, int k) {
         const std::ptrdiff_t m = work_[d].index(i, j, k);
         force_[d].data()[m] =
-            (*inertia_)[d].data()[m] * momentum_.volume(d, i, j, k) * work_[d].data()[m] - force_[d].data()[m];
+            (*inertia_)[d].data()[m] * measures_.volume(d, i, j, k) * work_[d].data()[m] - force_[d].data()[m];
       });
   }
 
@@ -124,11 +124,12 @@ class ViscousSolver::Impl {
   double volume_at(int d, int m) const {
     const Box& b = work_[d].box();
     const int i = b.lo[0] + m % b.size(0), j = b.lo[1] + (m / b.size(0)) % b.size(1);
-    return momentum_.volume(d, i, j, b.lo[2] + m / (b.size(0) * b.size(1)));
+    return measures_.volume(d, i, j, b.lo[2] + m / (b.size(0) * b.size(1)));
   }
 
   const Boundaries& boundaries_;
-  Momentum& momentum_;
+  const GridMeasures& measures_;
+  ViscousTerm& stress_;
   std::array<Box, 3> faces_;
   const FaceExchange& halo_;
   std::array<std::vector<int>, 3> unknown_;  // memory indices of the solved own faces
@@ -141,9 +142,10 @@ class ViscousSolver::Impl {
   PetscSolver solver_;
 };
 
-ViscousSolver::ViscousSolver(MPI_Comm comm, const Boundaries& boundaries, Momentum& momentum,
-                             const std::array<Box, 3>& faces, const Box& local, const FaceExchange& halo)
-    : impl_(std::make_unique<Impl>(comm, boundaries, momentum, faces, local, halo)) {}
+ViscousSolver::ViscousSolver(MPI_Comm comm, const Boundaries& boundaries, const GridMeasures& measures,
+                             ViscousTerm& stress, const std::array<Box, 3>& faces, const Box& local,
+                             const FaceExchange& halo)
+    : impl_(std::make_unique<Impl>(comm, boundaries, measures, stress, faces, local, halo)) {}
 
 ViscousSolver::~ViscousSolver() = default;
 

@@ -9,7 +9,7 @@
 
 #include "cfd/boundary/boundaries.h"
 #include "cfd/grid/field.h"
-#include "cfd/momentum/momentum.h"
+#include "cfd/momentum/viscous_stress.h"
 #include "cfd/parallel/block_exchange.h"
 
 namespace twogrid {
@@ -17,8 +17,8 @@ namespace twogrid {
 class ViscousSolver {
  public:
   /// Collective. The references must outlive the solver.
-  ViscousSolver(MPI_Comm comm, const Boundaries& boundaries, Momentum& momentum, const std::array<Box, 3>& faces,
-                const Box& local, const FaceExchange& halo);
+  ViscousSolver(MPI_Comm comm, const Boundaries& boundaries, const GridMeasures& measures, ViscousTerm& stress,
+                const std::array<Box, 3>& faces, const Box& local, const FaceExchange& halo);
   ~ViscousSolver();
 
   /// inertia: A (kg/(m3 s)), rhs (N), own faces; u on entry: first guess with prescribed faces set, on return: the

@@ -1,8 +1,6 @@
 // Loops over rows of contiguous values, compiled for the machine at hand.
 #pragma once
 
-#include <vector>
-
 /// Before a function of such loops: it exists for AVX2 and for any x86-64, and the running processor chooses. All that
 /// it calls is inlined into it. Products and sums stay apart (-ffp-contract=off), so that both give the same bits.
 /// Loops over more arrays than the compiler would check for overlap carry #pragma GCC ivdep: theirs are all distinct.
@@ -75,20 +73,6 @@ inline void keep_largest_size(Four& m, const Four& a) {
   Four size;
   size_of(a, size);
   m = size > m ? size : m;
-}
-
-/// A measure of one direction, seen from a row along x: it varies along the row if the direction is x, else it is one
-/// number.
-template <bool varies>
-struct AlongRow {
-  const double* first;
-  double operator[](int i) const { return varies ? first[i] : *first; }
-};
-
-/// The values of `a`, one an index of direction dir, from element i on along a row.
-template <int dir>
-inline AlongRow<dir == 0> along_row(const std::vector<double>& a, int i) {
-  return {&a[i]};
 }
 
 }  // namespace twogrid

@@ -113,7 +113,7 @@ struct CfdBox {
     for_each(faces(d), [&](int i, int j, int k) {
       const Vec3 x = face(d, i, j, k);
       const double e = fluid->velocity()[d](i, j, k) - exact(x[0], x[1], x[2]),
-                   V = fluid->momentum().volume(d, i, j, k);
+                   V = fluid->measures().volume(d, i, j, k);
       sum[0] += e * e * V, sum[1] += V;
     });
     MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, comm_);

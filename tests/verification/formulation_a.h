@@ -20,7 +20,7 @@ class FormulationA {
   /// values where there is no drag; what else drives the fluid (N/m3), likewise.
   const Interphase& exchange(const FaceField<FineGrid>& beta, const FaceField<FineGrid>& beta_v,
                              const FaceField<FineGrid>& other) {
-    box_.fluid->momentum().face_mean(box_.eps_end, eps_f_);
+    box_.fluid->measures().face_mean(box_.eps_end, eps_f_);
     for (int d = 0; d < 3; ++d)
       for_each(box_.faces(d), [&](int i, int j, int k) {
         const double e = eps_f_[d](i, j, k);

@@ -244,7 +244,7 @@ TEST(Outlet, IsStableUnderBackflow) {
         for (int d = 0; d < 3; ++d)
           for_each(box.faces(d), [&](int i, int j, int k) {
             const double v = box.fluid->velocity()[d](i, j, k);
-            sum += 0.5 * v * v * box.fluid->momentum().volume(d, i, j, k);
+            sum += 0.5 * v * v * box.fluid->measures().volume(d, i, j, k);
           });
         return box.sum(sum) * n;
       };

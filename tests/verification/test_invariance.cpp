@@ -87,7 +87,7 @@ TEST(Conservation, MomentumOfAPeriodicBoxChangesByForcesAlone) {
           for (int d = 0; d < 3; ++d) {
             double force = 0, size = 0;
             for_each(box.faces(d), [&](int i, int j, int k) {
-              const double V = box.fluid->momentum().volume(d, i, j, k);
+              const double V = box.fluid->measures().volume(d, i, j, k);
               const double drag = felt.beta[d](i, j, k) * box.fluid->mean_velocity()[d](i, j, k);
               const double push = box.fluid->mean_pressure_gradient()[d](i, j, k);
               force += V * (felt.source[d](i, j, k) - drag - push);
@@ -168,7 +168,7 @@ TEST(FlowRate, IsHeldToRoundOff) {
           box.step(0.01, bare ? Interphase{exchange.source, {}, false, exchange.particle_flux} : exchange);
           double flow = 0, volume = 0;
           for_each(box.faces(d), [&](int i, int j, int k2) {
-            const double V = box.fluid->momentum().volume(d, i, j, k2);
+            const double V = box.fluid->measures().volume(d, i, j, k2);
             flow += box.fluid->flux(d, i, j, k2) * V, volume += V;
           });
           worst = std::max(worst, std::abs(box.sum(flow) / box.sum(volume) - 0.7));
@@ -227,7 +227,7 @@ TEST(FlowRate, IsHeldBesideInletAndOutlet) {
           box.eps_begin = box.eps_end;
           double flow = 0, volume = 0;
           for_each(box.faces(d), [&](int i, int j, int k) {
-            const double V = box.fluid->momentum().volume(d, i, j, k);
+            const double V = box.fluid->measures().volume(d, i, j, k);
             flow += box.fluid->flux(d, i, j, k) * V, volume += V;
           });
           worst = std::max(worst, std::abs(box.sum(flow) / box.sum(volume) - 0.7));
@@ -261,7 +261,7 @@ TEST(FlowRate, OfAChannelOpenAboveIsThatOfItsMeanGradient) {
   for (int k = 0; k < 400; ++k) box.step(0.02);
   double gradient = 0, volume = 0;
   for_each(box.faces(0), [&](int i, int j, int k) {
-    const double V = box.fluid->momentum().volume(0, i, j, k);
+    const double V = box.fluid->measures().volume(0, i, j, k);
     gradient += box.fluid->mean_pressure_gradient()[0](i, j, k) * V, volume += V;
   });
   gradient = box.sum(gradient) / box.sum(volume);

@@ -1,0 +1,48 @@
+// Where the fluid is solved for: the rank's part of the grid with its sides, measures and exchanges. Made once.
+#pragma once
+
+#include <mpi.h>
+
+#include "cfd/boundary/boundaries.h"
+#include "cfd/grid/field.h"
+#include "cfd/grid/layout.h"
+#include "cfd/measures/grid_measures.h"
+#include "cfd/parallel/block_exchange.h"
+
+namespace twogrid {
+
+struct FluidDomain {
+  /// Collective. The settings must outlive this, and have passed their checks.
+  FluidDomain(MPI_Comm comm, const FineGrid& grid, const Layout& layout, const FluidSettings& settings);
+  FluidDomain(const FluidDomain&) = delete;
+
+  const MPI_Comm comm;
+  const int rank;
+  const FineGrid grid;
+  const Layout layout;
+  const Box own;  ///< cells
+  Boundaries boundaries;
+  const Box local;                 ///< of all fields: own cells and halo
+  const std::array<Box, 3> faces;  ///< own faces
+  const std::array<bool, 3> solved;
+  const GridMeasures measures;
+  const BlockExchange cell_halo;
+  const FaceExchange face_halo;
+
+  /// Halo, prescribed faces and ghosts of a velocity; halo of a cell field. Collective.
+  void fill(FaceField<FineGrid>& u) const;
+  void fill(CellField<FineGrid>& c) const;
+  double volume() const;  ///< of the whole domain, m3
+  double cells() const;   ///< of the whole domain, number
+  /// True where the side or one of its patches is of the kind.
+  bool has(int side, BoundaryKind kind) const;
+
+ private:
+  const FluidSettings& settings_;
+};
+
+inline void reset(FaceField<FineGrid>& f, const Box& box) {
+  for (auto& c : f) c.reset(box);
+}
+
+}  // namespace twogrid

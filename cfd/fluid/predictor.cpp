@@ -1,0 +1,136 @@
+#include "cfd/fluid/predictor.h"
+
+#include "cfd/measures/row_measures.h"
+#include "cfd/momentum/viscous_solver.h"
+#include "cfd/parallel/vectorised.h"
+
+namespace twogrid {
+
+namespace {
+
+TWOGRID_VECTORISED void extrapolate_values(std::size_t n, double r, const double* now, const double* old,
+                                           double* __restrict out) {
+  for (std::size_t m = 0; m < n; ++m) out[m] = now[m] + r * (now[m] - old[m]);
+}
+
+TWOGRID_VECTORISED void extrapolate_values(std::size_t n, double r, double older_share, const double* now,
+                                           const double* old, const double* older, double* __restrict out) {
+  for (std::size_t m = 0; m < n; ++m) out[m] = now[m] + r * (now[m] - old[m]) - older_share * (old[m] - older[m]);
+}
+
+}  // namespace
+
+Predictor::Predictor(FluidDomain& domain, const FluidSettings& settings)
+    : domain_(domain),
+      settings_(settings),
+      convection_(domain.grid, domain.measures, domain.own, domain.local, domain.faces, domain.solved),
+      viscous_(domain.measures, domain.own, domain.local, domain.faces, domain.solved),
+      row_inertia_(domain.local.size(0)),
+      row_made_(domain.local.size(0)) {}
+
+Predictor::~Predictor() = default;
+
+void Predictor::extrapolate(const FluidState& state, const Step& step, FaceField<FineGrid>& u_tilde) const {
+  for (int d = 0; d < 3; ++d)
+    if (step.s2 != 0)
+      extrapolate_values(state.u[d].size(), step.r + step.s1, step.s2, state.u[d].data(), state.u_old[d].data(),
+                         state.u_older[d].data(), u_tilde[d].data());
+    else
+      extrapolate_values(state.u[d].size(), step.r, state.u[d].data(), state.u_old[d].data(), u_tilde[d].data());
+  domain_.boundaries.apply(u_tilde);
+}
+
+/// An inlet's pressure is the one that, with the momentum rho F u entering, balances pressure and momentum flux at the
+/// first cell's centre, where the first solved volume begins: p_in A = p_cell A + rho (F u)_cell - rho (F u)_face.
+void Predictor::measure_inlet_head(const FluidState& state, const FaceField<FineGrid>& u_tilde) {
+  inlet_head_ = 0;
+  if (settings_.convection == Convection::kNone) return;
+  const double rho = settings_.density;
+  for (int side = 0; side < 6; ++side) {
+    if (!domain_.has(side, BoundaryKind::kInlet)) continue;
+    domain_.boundaries.for_each_face(side, [&](int, int i, int j, int k) {
+      if (domain_.boundaries.kind(side, i, j, k) != BoundaryKind::kInlet) return;
+      const int d = direction(side);
+      Int3 in{i, j, k};
+      if (is_high(side)) --in[d];
+      inlet_head_ +=
+          convection_.convected_through(d, in[0], in[1], in[2], rho, state.eps_f, u_tilde, settings_.convection) -
+          rho * (state.eps_f[d](i, j, k) * u_tilde[d](i, j, k)) * u_tilde[d](i, j, k) * domain_.grid.area(d, i, j, k);
+    });
+  }
+}
+
+/// On top of convection and viscosity in rhs: pressure, history, exchange; then u*. rhs may be u_next itself.
+template <int d>
+inline void Predictor::predict_component(const FluidState& state, const Step& step, const Interphase& exchange,
+                                         FaceField<FineGrid>& rhs, FaceField<FineGrid>& u_next) {
+  const double rho = settings_.density, imposed = state.imposed[d];
+  const double c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt;
+  const std::ptrdiff_t s = state.p.stride(d);
+  const int n = domain_.faces[d].size(0);
+  double* __restrict A = row_inertia_.data();
+  for_each_row(domain_.faces[d], state.p, [&](const Int3& x, std::ptrdiff_t m) {
+    const RowMeasure<d> row(domain_.measures, x);
+    const auto share = along_row<d>(domain_.measures.axis(d).above_share_, x[d] - domain_.measures.axis(d).lo);
+    const double *p = state.p.data() + m, *now = state.u[d].data() + m, *old = state.u_old[d].data() + m;
+    const double *e1 = state.eps[1].data() + m, *e2 = state.eps[2].data() + m;
+    double *o = rhs[d].data() + m, *next = u_next[d].data() + m;
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
+    if (const double* source = exchange.source_row(d, x[0], x[1], x[2], n, row_made_.data())) {
+#pragma GCC ivdep
+      for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
+    }
+    inertia_.row(state.eps_f[d].data() + m, exchange.beta_row(d, x[0], x[1], x[2], n, row_made_.data()), n, A);
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) {
+      const double V = row.volume(i);
+      // eps on the faces at the levels before; wrong on prescribed faces, whose u* apply_normal() overwrites.
+      const double f1 = e1[i - s] + share[i] * (e1[i] - e1[i - s]), f2 = e2[i - s] + share[i] * (e2[i] - e2[i - s]);
+      const double sum = o[i] - (c1 * f1 * now[i] + c2 * f2 * old[i]) * V;
+      o[i] = sum;
+      next[i] = sum / (A[i] * V);
+    }
+    if (inertia_field_[d].size() > 0) std::copy_n(A, n, inertia_field_[d].data() + m);
+  });
+}
+
+TWOGRID_VECTORISED void Predictor::predict_rows(const FluidState& state, const Step& step, const Interphase& exchange,
+                                                FaceField<FineGrid>& rhs, FaceField<FineGrid>& u_next) {
+  if (domain_.solved[0]) predict_component<0>(state, step, exchange, rhs, u_next);
+  if (domain_.solved[1]) predict_component<1>(state, step, exchange, rhs, u_next);
+  if (domain_.solved[2]) predict_component<2>(state, step, exchange, rhs, u_next);
+}
+
+const Inertia& Predictor::predict(FluidState& state, const Step& step, const Interphase& exchange,
+                                  const FaceField<FineGrid>& u_tilde, FaceField<FineGrid>& u_next) {
+  const double rho = settings_.density, mu = settings_.viscosity;
+  const bool implicit = step.implicit_viscosity && mu > 0;
+  if (implicit && inertia_field_[0].size() == 0) reset(rhs_, domain_.local), reset(inertia_field_, domain_.local);
+  FaceField<FineGrid>& rhs = implicit ? rhs_ : u_next;
+  for (auto& c : rhs) c.fill(0);
+  convection_.add(rho, state.eps_f, u_tilde, settings_.convection, rhs);
+  measure_inlet_head(state, u_tilde);
+  if (mu > 0 && !step.implicit_viscosity) viscous_.add(mu, state.eps[0], u_tilde, rhs);
+  domain_.boundaries.set_outlet_pressure(u_tilde, rho);
+  domain_.boundaries.apply_pressure(state.p);
+
+  const bool gap = settings_.gap_friction;
+  double friction = 0;  // of the walls of a one-cell gap, 12 mu/W^2
+  for (int d = 0; gap && d < 3; ++d)
+    if (!domain_.solved[d]) friction = 12 * mu / (domain_.grid.axis[d].length() * domain_.grid.axis[d].length());
+  inertia_.per_eps = rho * step.a0 / step.dt + friction;
+  predict_rows(state, step, exchange, rhs, u_next);
+  for (int d = 0; d < 3; ++d)
+    if (!domain_.solved[d]) u_next[d].fill(0);
+  domain_.boundaries.apply_normal(u_next);
+  if (implicit) {
+    if (!viscous_solver_)
+      viscous_solver_ = std::make_unique<ViscousSolver>(domain_.comm, domain_.boundaries, domain_.measures, viscous_,
+                                                        domain_.faces, domain_.local, domain_.face_halo);
+    viscous_solver_->solve(mu, state.eps[0], inertia_field_, rhs_, u_next);
+  }
+  return inertia_;
+}
+
+}  // namespace twogrid

@@ -1,0 +1,69 @@
+#include "cfd/fluid/void_levels.h"
+
+#include "cfd/parallel/vectorised.h"
+
+namespace twogrid {
+
+namespace {
+
+/// From memory index `first` of the path's fields on.
+TWOGRID_VECTORISED void void_fraction_at(const VoidFractionInTime& eps, double s, double interval, std::ptrdiff_t first,
+                                         std::size_t n, double* __restrict out) {
+  const VoidFractionInTime path = eps;
+  for (std::size_t m = 0; m < n; ++m) out[m] = path.at(first + std::ptrdiff_t(m), s, interval);
+}
+
+}  // namespace
+
+void set_face_eps(const FluidDomain& domain, FluidState& state) {
+  domain.measures.face_mean(state.eps[0], state.eps_f);
+  domain.boundaries.apply_face_eps(state.eps_f);
+  domain.face_halo.bring(state.eps_f);
+}
+
+void next_level(const FluidDomain& domain, const VoidFractionInTime& eps, double s, double interval,
+                FluidState& state) {
+  std::swap(state.eps[1], state.eps[2]);
+  std::swap(state.eps[0], state.eps[1]);
+  if (eps.begin->box() == domain.local)
+    void_fraction_at(eps, s, interval, 0, state.eps[0].size(), state.eps[0].data());
+  else
+    for (int k = domain.local.lo[2]; k < domain.local.hi[2]; ++k)
+      for (int j = domain.local.lo[1]; j < domain.local.hi[1]; ++j)
+        void_fraction_at(eps, s, interval, eps.begin->index(domain.local.lo[0], j, k), domain.local.size(0),
+                         state.eps[0].data() + state.eps[0].index(domain.local.lo[0], j, k));
+  set_face_eps(domain, state);
+}
+
+void replace_fluid(const FluidDomain& domain, const CellField<FineGrid>& now, bool same_flux, FluidState& state) {
+  const auto by_eps = [&](bool times) {
+    for (int d = 0; d < 3; ++d)
+      for_each(domain.faces[d], [&](int i, int j, int k) {
+        const double now = state.eps_f[d](i, j, k), before = domain.measures.face_mean(state.eps[1], d, i, j, k);
+        state.u[d](i, j, k) *= times ? now : 1 / now;
+        state.u_old[d](i, j, k) *= times ? before : 1 / before;
+      });
+  };
+  if (same_flux) by_eps(true);
+  for_each(domain.local, [&](int i, int j, int k) {
+    const std::ptrdiff_t m = state.p.index(i, j, k);
+    double &e0 = state.eps[0].data()[m], &e1 = state.eps[1].data()[m];
+    const double change = now(i, j, k) - e0;
+    e0 = now(i, j, k);
+    e1 = std::max(e1 + change, 0.5 * std::min(e1, e0));
+  });
+  set_face_eps(domain, state);
+  if (!same_flux) return;
+  by_eps(false);
+  domain.boundaries.apply_normal(state.u);
+  domain.fill(state.u);
+  domain.fill(state.u_old);
+  state.dt_older = 0;  // u^{n-2} is not carried over
+}
+
+void previous_level(FluidState& state) {
+  std::swap(state.eps[0], state.eps[1]);
+  std::swap(state.eps[1], state.eps[2]);
+}
+
+}  // namespace twogrid

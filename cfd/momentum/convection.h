@@ -1,0 +1,47 @@
+// Convection in the momentum balance: -rho div(eps u u) on the staggered volumes (cfd/measures/grid_measures.h).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "cfd/fluid_settings.h"
+#include "cfd/grid/field.h"
+#include "cfd/measures/grid_measures.h"
+
+namespace twogrid {
+
+class ConvectionTerm {
+ public:
+  /// own: the rank's cells; local: own cells and halo. faces[d]: the rank's own faces. solved[d]: false where u[d] is
+  /// zero and nothing varies along d (one cell between slip walls): that component and direction are left out.
+  ConvectionTerm(const FineGrid& grid, const GridMeasures& measures, const Box& own, const Box& local,
+                 const std::array<Box, 3>& faces, const std::array<bool, 3>& solved);
+
+  /// out -= rho sum over the volume's faces of (F u), N, F = eps_f u, both with halo and ghosts. van Leer (1974)
+  /// limited, or central. Along its own direction only the part of a change of u that doesn't keep eps_f u constant is
+  /// limited.
+  void add(double rho, const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u, Convection scheme,
+           FaceField<FineGrid>& out);
+  /// rho F u of component c through the centre of own cell (i,j,k), along c, as add() takes it, N.
+  double convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& eps_f,
+                           const FaceField<FineGrid>& u, Convection scheme) const;
+
+ private:
+  struct Convected;  // what is convected, and by what
+  template <int c, int d, bool limited>
+  void side_row(const Convected& a, int i, int j, int k, int count, double* q) const;
+  template <int c, bool limited>
+  void convect_component(const Convected& a, Array3<double>& out);
+  void convect_limited(const Convected& a, FaceField<FineGrid>& out);
+  void convect_central(const Convected& a, FaceField<FineGrid>& out);
+
+  Box own_, local_;
+  std::array<Box, 3> faces_;
+  std::array<bool, 3> solved_;
+  std::array<AxisMeasure, 3> axis_;
+  std::array<bool, 3> periodic_;
+  Int3 n_;
+  std::array<std::vector<double>, 3> side_;  // scratch: fluxes through the sides of a row, two rows, two slabs
+};
+
+}  // namespace twogrid

@@ -1,0 +1,137 @@
+#include "cfd/momentum/viscous_stress.h"
+
+#include "cfd/measures/row_measures.h"
+#include "cfd/parallel/vectorised.h"
+
+namespace twogrid {
+
+ViscousTerm::ViscousTerm(const GridMeasures& measures, const Box& own, const Box& local,
+                         const std::array<Box, 3>& faces, const std::array<bool, 3>& solved)
+    : measures_(measures),
+      own_(own),
+      local_(local),
+      faces_(faces),
+      solved_(solved),
+      axis_{measures.axis(0), measures.axis(1), measures.axis(2)} {
+  const std::size_t slab = std::size_t(local.size(0)) * local.size(1);
+  for (auto* s : {&normal_[0], &normal_[1], &normal_[2], &normal_below_}) s->assign(slab, 0.0);
+  for (auto* s : {&shear_[0], &shear_[1], &shear_[2], &shear_above_[0], &shear_above_[1]}) s->assign(slab, 0.0);
+}
+
+/// Normal stresses in slab k of own cells, and of one more around where a direction is not left out.
+inline void ViscousTerm::normal_stresses(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
+                                         int k) {
+  const int around = local_.size(1) > own_.size(1) ? 1 : 0;
+  const int first = own_.lo[0] - 1, n = own_.size(0) + 2;
+  const std::ptrdiff_t sy = eps.stride(1), sz = eps.stride(2), slab = eps.index(local_.lo[0], local_.lo[1], k);
+  const double* ix = &axis_[0].inverse_width_[first - axis_[0].lo];
+  for (int j = own_.lo[1] - around; j < own_.hi[1] + around; ++j) {
+    const std::ptrdiff_t m = eps.index(first, j, k);
+    const double iy = axis_[1].inverse_width_[j - axis_[1].lo], iz = axis_[2].inverse_width_[k - axis_[2].lo];
+    const double *e = eps.data() + m, *ux = u[0].data() + m, *uy = u[1].data() + m, *uz = u[2].data() + m;
+    double *__restrict nx = normal_[0].data() + (m - slab), *__restrict ny = normal_[1].data() + (m - slab),
+                       *__restrict nz = normal_[2].data() + (m - slab);
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) {
+      const double x = (ux[i + 1] - ux[i]) * ix[i], y = (uy[i + sy] - uy[i]) * iy, z = (uz[i + sz] - uz[i]) * iz;
+      const double third = (x + y + z) * (1.0 / 3), g = 2 * mu * e[i];
+      nx[i] = g * (x - third);
+      ny[i] = g * (y - third);
+      nz[i] = g * (z - third);
+    }
+  }
+}
+
+/// Shear stresses of the two directions other than t on edges; edge m is the low corner of cell m in both.
+template <int t>
+inline void ViscousTerm::shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k,
+                                      Slab& out) const {
+  constexpr int a = (t + 1) % 3, b = (t + 2) % 3;
+  const AxisMeasure &aa = axis_[a], &ab = axis_[b];
+  const int around = local_.size(1) > own_.size(1) ? 1 : 0, n = own_.size(0) + 1;
+  const std::ptrdiff_t sa = eps.stride(a), sb = eps.stride(b), slab = eps.index(local_.lo[0], local_.lo[1], k);
+  for (int j = own_.lo[1]; j < own_.hi[1] + around; ++j) {
+    const std::ptrdiff_t m = eps.index(own_.lo[0], j, k);
+    const Int3 x{own_.lo[0], j, k};
+    const auto ha = along_row<a>(aa.above_share_, x[a] - aa.lo), hb = along_row<b>(ab.above_share_, x[b] - ab.lo);
+    const auto ia = along_row<a>(aa.inverse_face_width_, x[a] - aa.lo),
+               ib = along_row<b>(ab.inverse_face_width_, x[b] - ab.lo);
+    const double *e = eps.data() + m, *ua = u[a].data() + m, *ub = u[b].data() + m;
+    double* __restrict q = out.data() + (m - slab);
+    for (int i = 0; i < n; ++i) {
+      const double high = e[i - sa] + ha[i] * (e[i] - e[i - sa]);
+      const double low = e[i - sa - sb] + ha[i] * (e[i - sb] - e[i - sa - sb]);
+      q[i] = mu * (low + hb[i] * (high - low)) * ((ua[i] - ua[i - sb]) * ib[i] + (ub[i] - ub[i - sa]) * ia[i]);
+    }
+  }
+}
+
+/// out += the stresses' force on the volumes of component c in slab k.
+template <int c>
+inline void ViscousTerm::add_stress(int k, Array3<double>& out) const {
+  constexpr int a = (c + 1) % 3, b = (c + 2) % 3;  // shear_ of (c,a) is t = b; of (c,b) is t = a
+  const Box& r = faces_[c];
+  if (k < r.lo[2] || k >= r.hi[2]) return;
+  const int n = r.size(0);
+  const std::ptrdiff_t sy = out.stride(1), slab = out.index(local_.lo[0], local_.lo[1], k);
+  for (int j = r.lo[1]; j < r.hi[1]; ++j) {
+    const std::ptrdiff_t m = out.index(r.lo[0], j, k), q = m - slab;
+    const Int3 x{r.lo[0], j, k};
+    const auto wa = along_row<a>(axis_[a].width_, x[a] - axis_[a].lo),
+               wb = along_row<b>(axis_[b].width_, x[b] - axis_[b].lo);
+    const auto below = along_row<c>(axis_[c].half_below_, x[c] - axis_[c].lo),
+               above = along_row<c>(axis_[c].half_above_, x[c] - axis_[c].lo);
+    const double *nn = normal_[c].data() + q, *ca = shear_[b].data() + q, *cb = shear_[a].data() + q;
+    // The stress a cell lower, and the next edges' in a and b.
+    const double* under = c == 2 ? normal_below_.data() + q : nn - (c == 1 ? sy : 1);
+    const double* ca_next = a == 2 ? shear_above_[b].data() + q : ca + (a == 1 ? sy : 1);
+    const double* cb_next = b == 2 ? shear_above_[a].data() + q : cb + (b == 1 ? sy : 1);
+    double* __restrict o = out.data() + m;
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) {
+      const double sides = (ca_next[i] - ca[i]) * wb[i] + (cb_next[i] - cb[i]) * wa[i];
+      o[i] += (nn[i] - under[i]) * wa[i] * wb[i] + sides * (below[i] + above[i]);
+    }
+  }
+}
+
+TWOGRID_VECTORISED void ViscousTerm::add(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
+                                         FaceField<FineGrid>& out) {
+  if (own_.empty()) return;
+  const bool x = solved_[0], y = solved_[1], z = solved_[2];
+  auto shear_at = [&](int k, Slab& yz, Slab& xz) {
+    if (y && z) shear_stress<0>(mu, eps, u, k, yz);
+    if (z && x) shear_stress<1>(mu, eps, u, k, xz);
+  };
+  if (z) normal_stresses(mu, eps, u, own_.lo[2] - 1);
+  shear_at(own_.lo[2], shear_[0], shear_[1]);
+  const int end = z ? faces_[2].hi[2] : own_.hi[2];
+  for (int k = own_.lo[2]; k < end; ++k) {
+    normal_[2].swap(normal_below_);
+    normal_stresses(mu, eps, u, k);
+    const bool inside = k < own_.hi[2];  // beyond them only the highest faces normal to z, at an outlet
+    if (inside) shear_at(k + 1, shear_above_[0], shear_above_[1]);
+    if (inside && x && y) shear_stress<2>(mu, eps, u, k, shear_[2]);
+    if (inside && x) add_stress<0>(k, out[0]);
+    if (inside && y) add_stress<1>(k, out[1]);
+    if (z) add_stress<2>(k, out[2]);
+    shear_[0].swap(shear_above_[0]), shear_[1].swap(shear_above_[1]);
+  }
+}
+
+void ViscousTerm::diagonal(double mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const {
+  if (own_.empty()) return;
+  const std::array<std::ptrdiff_t, 3> s{eps.stride(0), eps.stride(1), eps.stride(2)};
+  for (int c = 0; c < 3; ++c)
+    for_each(faces_[c], [&](int i, int j, int k) {
+      const Int3 x{i, j, k};
+      const std::ptrdiff_t m = eps.index(i, j, k);
+      const double mean = 0.5 * (eps.data()[m] + eps.data()[m - s[c]]);
+      double sum = 4.0 / 3.0 * (1 / axis_[c].width(x[c] - 1) + 1 / axis_[c].width(x[c])) / axis_[c].face_width(x[c]);
+      for (int d : {(c + 1) % 3, (c + 2) % 3})
+        sum += (1 / axis_[d].face_width(x[d]) + 1 / axis_[d].face_width(x[d] + 1)) / axis_[d].width(x[d]);
+      diagonal[c].data()[m] = mu * mean * sum * measures_.volume(c, i, j, k);
+    });
+}
+
+}  // namespace twogrid

@@ -1,0 +1,45 @@
+// Viscous stress in the momentum balance: div(eps tau), tau = mu (grad u + grad u^T - 2/3 div u I), on the staggered
+// volumes (cfd/measures/grid_measures.h).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "cfd/grid/field.h"
+#include "cfd/measures/grid_measures.h"
+
+namespace twogrid {
+
+class ViscousTerm {
+ public:
+  /// Arguments as ConvectionTerm's. The measures must outlive this.
+  ViscousTerm(const GridMeasures& measures, const Box& own, const Box& local, const std::array<Box, 3>& faces,
+              const std::array<bool, 3>& solved);
+
+  /// out += integral of div(eps tau), tau = mu (grad u + grad u^T - 2/3 div u I), N.
+  void add(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
+  /// Diagonal of -add(), approximately (for Jacobi), N s/m.
+  void diagonal(double mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
+
+ private:
+  using Slab = std::vector<double>;
+  void normal_stresses(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k);
+  template <int t>
+  void shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k, Slab& out) const;
+  template <int c>
+  void add_stress(int k, Array3<double>& out) const;
+
+  const GridMeasures& measures_;
+  Box own_, local_;
+  std::array<Box, 3> faces_;
+  std::array<bool, 3> solved_;
+  std::array<AxisMeasure, 3> axis_;
+  // Scratch of add(), slabs at one z: eps tau_cc in cells (of tau_zz also the slab below), eps tau_yz, tau_xz,
+  // tau_xy on edges (of the first two also the slab above). Where a direction is left out there is no shear with it:
+  // zero.
+  std::array<Slab, 3> normal_, shear_;
+  Slab normal_below_;
+  std::array<Slab, 2> shear_above_;
+};
+
+}  // namespace twogrid
