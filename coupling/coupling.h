@@ -28,7 +28,7 @@
 namespace twogrid {
 
 class Fluid;
-class ParticleGrid;
+struct CouplingState;
 
 /// Figures of the last coupling and of the run so far; the same on all ranks. f_ID[1..10] are the first ten, in
 /// this order; f_ID[11..15]: see FixTwogrid::compute_vector.
@@ -97,6 +97,9 @@ class Coupling {
   /// called: none.
   void set_gravity(const std::vector<Weight>& weights);
 
+  /// All that the next interval takes from those before, apart from the particles' columns and the fluid; of this rank,
+  /// between couplings. May be replaced by a copy, which another coupling of the same settings can have made.
+  CouplingState& state();
   const Report& report() const;
   const Shares& shares() const;
   Fluid& fluid();

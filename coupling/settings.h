@@ -54,4 +54,9 @@ struct Settings {
   OutputSettings output;
 };
 
+/// What the coupling can't do whatever the scene: throws std::invalid_argument with a sentence.
+void check(const Settings& settings);
+/// Width that a particle reads over by its own, of read kernel and cube (m); others: 0, it is the cell's.
+double read_width(const Settings& settings);
+
 }  // namespace twogrid

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupling/void_fraction/volume_deposit.h"
-
 namespace twogrid {
 
 namespace {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "coupling/particles/decay.h"
-#include "coupling/void_fraction/volume_deposit.h"
 
 namespace twogrid {
 

@@ -6,8 +6,8 @@
 
 #include "cfd/grid/box.h"
 #include "cfd/parallel/vectorised.h"
-#include "coupling/particles/ledger.h"
 #include "coupling/particles/particles.h"
+#include "coupling/selection/census.h"
 
 namespace twogrid {
 
@@ -16,20 +16,6 @@ namespace twogrid {
 struct alignas(64) ImplicitDrag {
   Four given;  ///< b' u_ref - I/D, three components (N); b' (kg/s)
   Four seen;   ///< u_ref, three components (m/s); 1/m, or 0 where something holds the particle (1/kg)
-};
-
-/// What is asked of all particles of a coupling. Largest values; 0 without particles.
-struct Survey {
-  double radius = 0, minus_radius = -1e300;  ///< m
-  double mass = 0;                           ///< kg
-  double reaction = 0;                       ///< component of b' u_seen - I/D (N)
-  double response = 0;                       ///< b' (kg/s)
-  double flux_velocity = 0;                  ///< bound of its size (m/s)
-  Sum volume, new_volume;                    ///< m3
-  std::array<Sum, 3> impulse;                ///< kg m/s
-  double impulse_size = 0;                   ///< sum of the sizes of its components (kg m/s)
-  bool finite = true;                        ///< all positions, velocities and impulses are
-  long long new_particles = 0;
 };
 
 struct IntervalEnd {

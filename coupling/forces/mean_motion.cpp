@@ -19,9 +19,10 @@ bool feels_drag(const Particles& p, int i) {
 
 }  // namespace
 
-MeanMotion::MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region,
-                       Spread spread, const std::array<bool, 3>& free_flux)
-    : comm_(comm),
+MeanMotion::MeanMotion(MeanMotionState& state, MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes,
+                       const ParticleRegion& region, Spread spread, const std::array<bool, 3>& free_flux)
+    : state_(state),
+      comm_(comm),
       grid_(grid),
       nodes_(nodes),
       own_(nodes.cells(rank_of(comm))),
@@ -30,10 +31,6 @@ MeanMotion::MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& no
       domain_volume_(grid.axis[0].length() * grid.axis[1].length() * grid.axis[2].length()) {
   for (auto& a : node_sum_) a.reset(own_);
   for (auto& a : shown_) a.reset(own_);
-  eps_.reset(own_, 1.0);
-  beta_.reset(own_);
-  for (auto& a : v_flux_) a.reset(own_);
-  for (auto& a : v_n_) a.reset(own_);
   move_region(region);
 }
 
@@ -92,6 +89,7 @@ double MeanMotion::diameter(const double x[3]) {
 }
 
 void MeanMotion::sum_motion(const Particles& p, const std::vector<int>* who) {
+  mass_unit_ = FixedPoint(state_.mass, state_.terms);
   for (int c = 0; c < 4; ++c) window_sum_[c].fill(0);
   auto add = [&](int i) {
     window_.weights(p.x[i], stencil_);
@@ -107,14 +105,16 @@ void MeanMotion::sum_motion(const Particles& p, const std::vector<int>* who) {
 
 void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const std::vector<FourNumbers>& flux_velocity,
                         const CellField<ParticleGrid>& eps, const Largest& largest, bool drag) {
-  drag_ = drag;
+  if (state_.v_n[0].size() == 0) {
+    state_.beta.reset(own_);
+    for (int d = 0; d < 3; ++d) state_.v_flux[d].reset(own_), state_.v_n[d].reset(own_);
+  }
+  state_.drag = drag, state_.mass = largest.mass, state_.terms = largest.terms;
   if (drag) {
     for_each(own_, [&](int i, int j, int k) { shown_[kShownEps](i, j, k) = eps(i, j, k); });
     bring(kShownEps, 1);
   }
-  mass_unit_ = FixedPoint(largest.mass, largest.terms);
-  terms_ = largest.terms;
-  momentum_unit_ = FixedPoint(largest.momentum, terms_);
+  momentum_unit_ = FixedPoint(largest.momentum, largest.terms);
   const FixedPoint b_unit(largest.drag_coefficient, largest.terms), force_unit(largest.drag, largest.terms);
   sum_motion(p, &who);
   const int sums = drag ? 11 : 7;
@@ -135,16 +135,15 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
   collect(sums);
   for_each(own_, [&](int i, int j, int k) {
     const double e = eps(i, j, k);
-    eps_(i, j, k) = e;
     const double mass = mass_unit_.value(node_sum_[0](i, j, k));
     const double inverse = mass > 0 ? 1 / mass : 0.0;
     for (int d = 0; d < 3; ++d) {
-      v_n_[d](i, j, k) = momentum_unit_.value(node_sum_[1 + d](i, j, k)) * inverse;
-      v_flux_[d](i, j, k) = momentum_unit_.value(node_sum_[4 + d](i, j, k)) * inverse;
+      state_.v_n[d](i, j, k) = momentum_unit_.value(node_sum_[1 + d](i, j, k)) * inverse;
+      state_.v_flux[d](i, j, k) = momentum_unit_.value(node_sum_[4 + d](i, j, k)) * inverse;
     }
     if (!drag) return;
     const double scale = 1 / (e * grid_.volume(i, j, k));
-    beta_(i, j, k) = shown_[0](i, j, k) = b_unit.value(node_sum_[7](i, j, k)) * scale;
+    state_.beta(i, j, k) = shown_[0](i, j, k) = b_unit.value(node_sum_[7](i, j, k)) * scale;
     for (int d = 0; d < 3; ++d) shown_[1 + d](i, j, k) = force_unit.value(node_sum_[8 + d](i, j, k)) * scale;
   });
   if (drag) bring(0, 4);
@@ -161,23 +160,23 @@ void MeanMotion::drag_at(const double x[3], double& beta, Vec3& d) {
   d = {out[1], out[2], out[3]};
 }
 
-void MeanMotion::update(const Particles& p) {
+void MeanMotion::update(const Particles& p, const CellField<ParticleGrid>& eps) {
   double mine = 0, largest = 0;
   for (int i = 0; i < p.n; ++i)
     if (feels_drag(p, i))
       for (int d = 0; d < 3; ++d) mine = std::max(mine, p.mass[i] * std::abs(p.v[i][d]));
   MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
-  momentum_unit_ = FixedPoint(largest, terms_);
+  momentum_unit_ = FixedPoint(largest, state_.terms);
   sum_motion(p, nullptr);
   collect(4);
   // First the held part of the flux, eps_s (v - v_flux); shown_[3 + d] keeps v.
   double flux[3] = {0, 0, 0}, mean_flux[3] = {0, 0, 0};
   for_each(own_, [&](int i, int j, int k) {
     const double mass = mass_unit_.value(node_sum_[0](i, j, k));
-    const double solid = 1 - eps_(i, j, k), volume = grid_.volume(i, j, k);
+    const double solid = 1 - eps(i, j, k), volume = grid_.volume(i, j, k);
     for (int d = 0; d < 3; ++d) {
-      const double v = mass > 0 ? momentum_unit_.value(node_sum_[1 + d](i, j, k)) / mass : v_n_[d](i, j, k);
-      const double held = mass > 0 ? solid * (v - v_flux_[d](i, j, k)) : 0.0;
+      const double v = mass > 0 ? momentum_unit_.value(node_sum_[1 + d](i, j, k)) / mass : state_.v_n[d](i, j, k);
+      const double held = mass > 0 ? solid * (v - state_.v_flux[d](i, j, k)) : 0.0;
       shown_[d](i, j, k) = held;
       shown_[3 + d](i, j, k) = v;
       flux[d] += held * volume;
@@ -188,14 +187,14 @@ void MeanMotion::update(const Particles& p) {
     for (int d = 0; d < 3; ++d) mean_flux[d] = free_flux_[d] ? mean_flux[d] / domain_volume_ : 0.0;
   }
   for_each(own_, [&](int i, int j, int k) {
-    const double inverse = 1 / eps_(i, j, k);
+    const double inverse = 1 / eps(i, j, k);
     for (int d = 0; d < 3; ++d) {
       const double c = (shown_[d](i, j, k) - mean_flux[d]) * inverse, v = shown_[3 + d](i, j, k);
       shown_[d](i, j, k) = c;
-      shown_[3 + d](i, j, k) = drag_ ? -beta_(i, j, k) * (c + v - v_n_[d](i, j, k)) : 0.0;
+      shown_[3 + d](i, j, k) = state_.drag ? -state_.beta(i, j, k) * (c + v - state_.v_n[d](i, j, k)) : 0.0;
     }
   });
-  bring(0, drag_ ? 6 : 3);
+  bring(0, state_.drag ? 6 : 3);
 }
 
 void MeanMotion::change_at(const double x[3], Vec3& c, Vec3& pressure) {
@@ -203,7 +202,7 @@ void MeanMotion::change_at(const double x[3], Vec3& c, Vec3& pressure) {
   const double* field[6];
   double out[6];
   for (int q = 0; q < 6; ++q) field[q] = window_shown_[q].data();
-  if (drag_) {
+  if (state_.drag) {
     gather<6>(stencil_, window_shown_[0], field, out);
   } else {
     const double* three[3] = {field[0], field[1], field[2]};

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "cfd/parallel/vectorised.h"
+#include "coupling/coupling_state.h"
 #include "coupling/particles/particles.h"
 #include "coupling/two_grid/fixed_point.h"
 #include "coupling/two_grid/map.h"
@@ -28,9 +29,9 @@ namespace twogrid {
 
 class MeanMotion {
  public:
-  /// spread: kCell or kLinear. free_flux: directions in which nothing holds the net flux. Collective.
-  MeanMotion(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region, Spread spread,
-             const std::array<bool, 3>& free_flux);
+  /// Works on `state`. spread: kCell or kLinear. free_flux: directions in which nothing holds the net flux. Collective.
+  MeanMotion(MeanMotionState& state, MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes,
+             const ParticleRegion& region, Spread spread, const std::array<bool, 3>& free_flux);
 
   /// Particles are elsewhere now; what they read comes with the next update(). Collective.
   void move_region(const ParticleRegion& region);
@@ -51,8 +52,8 @@ class MeanMotion {
   /// beta/eps (kg/(m3 s)) and D_n/eps (N/m3) at a particle, after couple() with drag.
   void drag_at(const double x[3], double& beta, Vec3& d);
 
-  /// The particles have moved: v(t), C and P. A particle counts if it feels drag. Collective.
-  void update(const Particles& p);
+  /// The particles have moved: v(t), C and P. A particle counts if it feels drag. eps: as in couple(). Collective.
+  void update(const Particles& p, const CellField<ParticleGrid>& eps);
   /// C (m/s) and P (N/m3; zero without drag) at a particle, after update().
   void change_at(const double x[3], Vec3& c, Vec3& pressure);
 
@@ -65,6 +66,7 @@ class MeanMotion {
   static constexpr int kShown = 6;
   static constexpr int kShownEps = 4;  // in couple() with drag, for weights like home
 
+  MeanMotionState& state_;
   MPI_Comm comm_;
   ParticleGrid grid_;
   Layout nodes_;
@@ -75,14 +77,10 @@ class MeanMotion {
   std::vector<double> weights_;  // scratch
   std::array<bool, 3> free_flux_;
   double domain_volume_;
-  bool drag_ = false;
   FixedPoint mass_unit_, momentum_unit_;
-  double terms_ = 1;
   std::array<Array3<long long>, kSums> window_sum_, node_sum_;
   std::array<CellField<ParticleGrid>, kShown> shown_;  // own nodes: what particles read
   std::array<Array3<double>, kShown> window_shown_;
-  CellField<ParticleGrid> eps_, beta_;  // void fraction at the last coupling; beta/eps
-  NodeVector<CellField<ParticleGrid>> v_flux_, v_n_;
 };
 
 }  // namespace twogrid

@@ -1,7 +1,6 @@
 #include "coupling/forces/plain_forces.h"
 
 #include "cfd/parallel/vectorised.h"
-#include "coupling/void_fraction/volume_deposit.h"
 
 namespace twogrid {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "coupling/forces/plain_forces.h"
-#include "coupling/void_fraction/volume_deposit.h"
 
 namespace twogrid {
 
@@ -59,7 +58,7 @@ void StepForces::operator()(Particles& p, double dem_dt, bool accumulate, MeanMo
     plain(p, dem_dt);
   else
     on_all<false, false>(p, dem_dt, false, nullptr);
-  if (accumulate) last_dt_ = dem_dt;
+  if (accumulate) state_.last_dt = dem_dt;
 }
 
 template <bool kHolding, bool kHeld>
@@ -71,15 +70,15 @@ void StepForces::on_all(Particles& p, double dem_dt, bool accumulate, MeanMotion
 /// The common case: nothing held, not in set-up. What every step of every particle costs; the rest is left to
 /// on().
 void StepForces::plain(Particles& p, double dem_dt) {
-  if (dem_dt != decay_dt_) find_decay(p, dem_dt);
+  if (dem_dt != state_.decay_dt) find_decay(p, dem_dt);
   left_.resize(p.n);
   const PlainStep step{dem_dt, -density_, gravity_, by_group_.data(), int(by_group_.size())};
-  const int left = add_plain_forces(p, step, pressure_force_, left_.data());
+  const int left = add_plain_forces(p, step, state_.pressure_force, left_.data());
   for (int q = 0; q < left; ++q) on<false, false>(p, left_[q], dem_dt, true, nullptr);
 }
 
 void StepForces::find_decay(Particles& p, double dem_dt) {
-  decay_dt_ = dem_dt;
+  state_.decay_dt = dem_dt;
   for (int i = 0; i < p.n; ++i)
     if (p.takes_part(i)) p.step[i][kDecay] = decay(p.step[i][kDragCoefficient], 1 / p.mass[i]);
 }
@@ -94,7 +93,7 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
   double volume = 0, response = b;
   if (kHolding && b > 0) {
     holding->change_at(p.x[i], c, pressure);
-    volume = pressure_force_ ? sphere : 0.0;
+    volume = state_.pressure_force ? sphere : 0.0;
     response = s[kResponse] / s[kVoidFraction];
   }
   const Vec3 gravity = by_group_.empty() ? gravity_ : gravity_of(p, i);
@@ -106,7 +105,7 @@ void StepForces::on(Particles& p, int i, double dem_dt, bool accumulate, MeanMot
   }
   const bool held = kHeld && p.held(i), held_in_part = kHeld && !held && p.some_held_in_part();
   const double k = held ? 0 : response * dem_dt / p.mass[i];
-  const bool stiff = k > kStiff, goes_on = !accumulate && dem_dt == last_dt_ && s[kKnown] != 0;
+  const bool stiff = k > kStiff, goes_on = !accumulate && dem_dt == state_.last_dt && s[kKnown] != 0;
   Vec3 first, second;  // forces of the half kicks before and after this step's end
   if (stiff) {
     stiff_.push_back(i);
@@ -188,7 +187,7 @@ double StepForces::law_at(const Particles& p, int i, const Vec3& slip) const {
   const double magnitude = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
   const double b_A =
       drag_coefficient(law_, s[kVoidFraction], 2 * p.radius[i], magnitude, density_, viscosity_, s[kSizeRatio]);
-  return pressure_force_ ? b_A : b_A / s[kVoidFraction];
+  return state_.pressure_force ? b_A : b_A / s[kVoidFraction];
 }
 
 void StepForces::finish_step(Particles& p) const {

@@ -12,6 +12,7 @@
 
 #include <vector>
 
+#include "coupling/coupling_state.h"
 #include "coupling/forces/drag.h"
 #include "coupling/forces/mean_motion.h"
 #include "coupling/particles/decay.h"
@@ -22,13 +23,12 @@ namespace twogrid {
 
 class StepForces {
  public:
-  StepForces(const DragLaw& law, double density, double viscosity)
-      : law_(law), density_(density), viscosity_(viscosity) {}
+  /// Works on `state`.
+  StepForces(StepForcesState& state, const DragLaw& law, double density, double viscosity)
+      : state_(state), law_(law), density_(density), viscosity_(viscosity) {}
 
   /// For the buoyancy. Looked at particle by particle only where one is not of all.
   void set_gravity(const std::vector<Weight>& weights);
-  /// Whether the pressure gradient's force is a force of its own, F_p, and b is b_p; else b is b_p/eps, F_p zero.
-  void set_pressure_force(bool on) { pressure_force_ = on; }
   /// Adds to f; sums up impulses. holding: the particles' mean motion, now, where the flux is held; else null.
   /// accumulate = false in set-up: the impulse of half a step, in place of the half step the last one would have had.
   /// There v is that of a whole step. Where a run goes on with the step that the last one had, v^n came of
@@ -41,10 +41,10 @@ class StepForces {
   void renew_decay(Particles& p, int i) const { p.step[i][kDecay] = decay(p.step[i][kDragCoefficient], 1 / p.mass[i]); }
   /// kDecay of a particle: phi(b D/m) of the DEM step of the last call; 0 where it has to be looked at closer.
   double decay(double b, double per_mass) const {
-    const double k = b * decay_dt_ * per_mass;
+    const double k = b * state_.decay_dt * per_mass;
     return b > 0 && k <= kStiff ? mean_decay_series(k) : 0.0;
   }
-  double decay_dt() const { return decay_dt_; }
+  double decay_dt() const { return state_.decay_dt; }
 
  private:
   template <bool kHolding, bool kHeld>
@@ -58,13 +58,11 @@ class StepForces {
                     const Vec3& slip, bool ends_a_step, Vec3& first, Vec3& second) const;
   Vec3 gravity_of(const Particles& p, int i) const;
 
+  StepForcesState& state_;
   const DragLaw& law_;
   double density_, viscosity_;
-  bool pressure_force_ = false;
   Vec3 gravity_{0, 0, 0};  // of all particles, where by_group_ is empty
   std::vector<Weight> by_group_;
-  double last_dt_ = 0;      // DEM step of the last call that was no set-up (s); 0: none yet
-  double decay_dt_ = 0;     // DEM step of the particles' kDecay (s); 0: none yet
   std::vector<int> stiff_;  // particles of the last step, for finish_step()
   std::vector<int> left_;   // by add_plain_forces()
 };

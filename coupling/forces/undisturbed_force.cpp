@@ -2,7 +2,7 @@
 
 namespace twogrid {
 
-UndisturbedForce::UndisturbedForce(MPI_Comm comm, const Fluid& fluid) {
+UndisturbedForce::UndisturbedForce(MPI_Comm comm, const Fluid& fluid, FaceField<FineGrid>& r) : r_(r) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   std::array<std::vector<Box>, 3> owned, wanted;

@@ -19,19 +19,17 @@ namespace twogrid {
 
 class UndisturbedForce {
  public:
-  UndisturbedForce() = default;
-  /// Zero to begin with. Collective.
-  UndisturbedForce(MPI_Comm comm, const Fluid& fluid);
+  /// r: N/m3, own faces and a halo of one; zero to begin with. Collective.
+  UndisturbedForce(MPI_Comm comm, const Fluid& fluid, FaceField<FineGrid>& r);
 
   /// eps: cells, halo included. exchange: of the interval just advanced; its fields may be empty. Collective.
   void update(const Fluid& fluid, const CellField<FineGrid>& eps, const Interphase& exchange, double particle_density);
 
-  /// N/m3, own faces and a halo of one.
   const FaceField<FineGrid>& field() const { return r_; }
 
  private:
   std::array<Box, 3> own_;
-  FaceField<FineGrid> r_;
+  FaceField<FineGrid>& r_;
   std::vector<double> source_, beta_;  // scratch: rows of the exchange
   FaceExchange halo_;
 };

@@ -35,6 +35,11 @@ enum StepColumn {
   kStepColumns = 8
 };
 
+inline double sphere_volume(double radius) {
+  constexpr double kFourThirdsPi = 4.18879020478639098462;
+  return kFourThirdsPi * radius * radius * radius;
+}
+
 /// An acceleration (m/s2) of the particles whose mask has one of the bits of group (~0: of all); several add up.
 struct Weight {
   int group;

@@ -8,19 +8,19 @@
 
 #include "cfd/grid/field.h"
 #include "cfd/grid/void_fraction.h"
+#include "coupling/coupling_state.h"
 #include "coupling/settings.h"
 
 namespace twogrid {
 
 class VoidHistory {
  public:
-  VoidHistory() = default;
-  /// box: of the fluid's fields.
-  VoidHistory(const Box& box, Interpolate interpolate);
+  /// box: of the fluid's fields. Works on `state`.
+  VoidHistory(VoidHistoryState& state, const Box& box, Interpolate interpolate);
 
   /// eps at the end of the interval to come: to be filled, halo included, before begin().
   CellField<FineGrid>& next() { return next_; }
-  const CellField<FineGrid>& now() const { return now_; }
+  const CellField<FineGrid>& now() const { return state_.now; }
   /// eps never changed before now.
   void start();
   /// Sets up an interval that leads from now() to next(). replaced: what is added to now() before, may be null.
@@ -30,16 +30,16 @@ class VoidHistory {
 
   /// Weight r of the extrapolation x_n + r (x_n - x_{n-1}) of interval means to the interval's end, as used for eps.
   double extrapolation(double interval) const {
-    return interpolate_ == Interpolate::kSmooth && last_interval_ > 0 ? interval / (interval + last_interval_) : 0.0;
+    return interpolate_ == Interpolate::kSmooth && state_.interval > 0 ? interval / (interval + state_.interval) : 0.0;
   }
 
  private:
   VoidFractionInTime path() const;
 
-  Interpolate interpolate_ = Interpolate::kSmooth;
-  CellField<FineGrid> now_, next_;
-  CellField<FineGrid> rate_, slope_begin_;  // s_{n-1}, slope at the interval's begin (1/s)
-  double interval_ = 0, last_interval_ = 0;
+  VoidHistoryState& state_;
+  Interpolate interpolate_;
+  CellField<FineGrid> next_;
+  double interval_ = 0;  // to next() (s)
 };
 
 }  // namespace twogrid

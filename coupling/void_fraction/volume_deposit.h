@@ -22,11 +22,6 @@
 
 namespace twogrid {
 
-inline double sphere_volume(double radius) {
-  constexpr double kFourThirdsPi = 4.18879020478639098462;
-  return kFourThirdsPi * radius * radius * radius;
-}
-
 class VolumeDeposit {
  public:
   /// Collective.

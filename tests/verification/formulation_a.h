@@ -1,5 +1,5 @@
 // Formulation A as it runs: the fluid sees all of grad p, and the particles' pressure force comes back as a source. As
-// the coupling does it (coupling/forces/undisturbed_force.h, Coupling::Impl::rebuild_pressure_force), with particles that read at every
+// the coupling does it (coupling/forces/undisturbed_force.h, coupling/forces/pressure_force.h), with particles that read at every
 // face by itself: force on them per volume beta (u - v) + eps_s (R + D/eps), D = beta (u - v), R from the interval
 // before. So the tests that use this see what a user's run has, its order in time, too: the first in the interval.
 #pragma once
@@ -11,7 +11,7 @@ namespace twogrid {
 
 class FormulationA {
  public:
-  explicit FormulationA(CfdBox& box) : box_(box), undisturbed_(box.comm(), *box.fluid), eps_f_(box.face_field()) {
+  explicit FormulationA(CfdBox& box) : box_(box), undisturbed_(box.comm(), *box.fluid, r_), eps_f_(box.face_field()) {
     box.fluid->keep_pressure_gradient();
     for (auto* x : {&reaction_, &exchange_}) x->source = x->beta = box.face_field();
   }
@@ -41,6 +41,7 @@ class FormulationA {
   static constexpr double kHeavy = 1000;  // particles in a gas
 
   CfdBox& box_;
+  FaceField<FineGrid> r_;
   UndisturbedForce undisturbed_;
   FaceField<FineGrid> eps_f_;
   Interphase reaction_, exchange_;  // without and with what drives the fluid beside the particles
