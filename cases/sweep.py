@@ -6,7 +6,7 @@
 
 Choices are keywords of fix twogrid (fine, ratio, every, ...) and of its fix_modify (deposit, prolong, read, drag, cfl,
 'eps bound', ...), which are written into the script; `timestep`; `kn` (N/m, of property/global); `ranks`; `method`, a
-name of studies/methods.toml; or variables of the script (-var). Several words make one value: ratio="4 4 4".
+name of studies/methods.toml or one of twogrid's own; or variables of the script (-var). Several words make one value: ratio="4 4 4".
 
 Written into the study's folder (--out for another): table.csv, error_cost.png with the Pareto front,
 recommendation.txt. Finished runs are kept in FOLDER/out/runs under a hash of script, files, choices and executable, so
@@ -53,11 +53,9 @@ import time
 import tomllib
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-FIX_KEYS = {"fine", "ratio", "every", "density", "viscosity", "domain", "stretch"}
-FIX_WORDS = {"fine": 3, "ratio": 3, "every": 1, "density": 1, "viscosity": 1, "domain": 6}
-MODIFY_KEYS = {"drag", "formulation", "deposit", "prolong", "read", "eps bound", "interpolate", "hold", "one-way", "initial u", "initial vortex", "accuracy",
-               "pressure_gradient", "flow_rate", "cfl", "dt", "tolerance", "convection", "implicit", "gap friction"}
+README = os.path.join(HERE, "..", "README.md")
 OTHER_KEYS = {"timestep", "kn", "ranks", "method"}
+NOT_CHOICES = {"boundary", "output", "model"}   # of fix_modify: they belong to the scene
 STUDY_KEYS = {"script", "title", "ranks", "options", "timeout", "error", "methods", "methods_file", "fixed", "values", "product",
               "variant", "reference", "short", "absolute"}
 SMALLER_IS_FINER = {"ratio", "every", "timestep", "dt", "cfl", "tolerance"}
@@ -67,6 +65,37 @@ LEAST_CPU = 0.05   # s: what is left of a run's CPU when its start-up is taken o
 
 class Wrong(Exception):
     """What the user has to change, in one sentence."""
+
+
+# ---- keywords --------------------------------------------------------------------------------------------------------
+
+def tables_of(page):
+    """First words of the rows of each table of `twogrid -keywords`, or of the README, which holds the same tables (a test
+    compares them): keywords of fix, of fix_modify, names of methods."""
+    found, name = {}, None
+    for line in page.split("\n"):
+        begins = re.match(r"`(fix|fix_modify) ID .*keyword values|\| (method) \|", line)
+        if begins:
+            name = begins.group(1) or begins.group(2)
+            found[name] = []
+        row = re.match(r"\| `([^`]*)` \|", line)
+        if row and name:
+            found[name].append(row.group(1))
+        elif line and line[0] not in "|`":
+            name = None
+    return found
+
+
+def keywords():
+    try:
+        with open(README) as f:
+            tables = tables_of(f.read())
+    except OSError as e:
+        raise SystemExit(f"sweep.py: {README} cannot be read ({e.strerror}); its tables hold the keywords")
+    return set(tables["fix"]), set(tables["fix_modify"]) - NOT_CHOICES, tables["method"]
+
+
+FIX_KEYS, MODIFY_KEYS, METHODS = keywords()
 
 
 # ---- the study -------------------------------------------------------------------------------------------------------
@@ -143,7 +172,7 @@ def rewrite(script, choices, path):
     """The script with the choices written in; a Wrong if there is no place for one."""
     lines = logical_lines(script)
     fix = [i for i, l in enumerate(lines) if (w := words_of(l)) and len(w) > 3 and w[0] == "fix" and w[3] == "twogrid"]
-    modify = {k: v for k, v in choices.items() if k in MODIFY_KEYS}
+    modify = {k: v for k, v in sorted(choices.items(), key=lambda c: c[0] != "method") if k in MODIFY_KEYS}
     if len(fix) != 1 and any(k in MODIFY_KEYS or k in FIX_KEYS for k in choices):
         raise Wrong(f"{path} has {len(fix)} lines 'fix ID group twogrid', one is wanted for choices of it")
     inserted = {}
@@ -153,8 +182,8 @@ def rewrite(script, choices, path):
             value = choices[key].split()
             if key in words[4:]:
                 at = words.index(key, 4)
-                count = FIX_WORDS.get(key) or (3 if words[at + 2:at + 3] == ["symmetric"] else 2)
-                words[at + 1:at + 1 + count] = value
+                end = next((i for i in range(at + 1, len(words)) if words[i] in FIX_KEYS), len(words))
+                words[at + 1:end] = value
             else:
                 words += [key] + value
         if FIX_KEYS & set(choices):
@@ -266,13 +295,14 @@ class Study:
             name = ", ".join(text(v) if k == "method" else f"{k}={text(v)}" for k, v in chosen.items())
         choices = dict(self.fixed)
         for key, value in chosen.items():
-            if key == "method":
-                continue
             choices[key] = value
-        if "method" in chosen:
-            if chosen["method"] not in self.methods:
-                raise Wrong(f"method '{chosen['method']}' is not in {self.methods_path}; there are {'; '.join(self.methods)}")
-            choices.update({key_of(k): v for k, v in self.methods[chosen["method"]].items()})
+        method = choices.get("method")
+        if method in self.methods:
+            del choices["method"]
+            choices.update({key_of(k): v for k, v in self.methods[method].items()})
+        elif method is not None and method.split()[0] not in METHODS:
+            raise Wrong(f"method '{method}' is not in {self.methods_path}, where there are {'; '.join(self.methods)}; nor one of "
+                        f"twogrid's, {', '.join(METHODS)}")
         known = FIX_KEYS | MODIFY_KEYS | OTHER_KEYS
         for key in choices:
             if key not in known and key not in self.variables and key not in self.values:

@@ -39,6 +39,8 @@
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/run/petsc_session.h"
 #include "liggghts_fixes/run/signals.h"
+#include "liggghts_fixes/script/consistency.h"
+#include "liggghts_fixes/script/keywords.h"
 #include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
@@ -425,7 +427,7 @@ void FixTwogrid::build() {
   watch_ = CouplingWatch(s.bound, s.eps_min);
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();
-  say(scene_report(s, script_.side_given, script_.every_auto, grid, facts));
+  say(scene_report(script_, grid, facts));
   for (int f = 0; f < modify->nfix; ++f)
     if (std::string(modify->fix[f]->style) == "viscous")
       warn("fix " + std::string(modify->fix[f]->id) +
@@ -499,6 +501,7 @@ void FixTwogrid::open_output() {
   record.input_text = script_text();
   record.command_line = command_line_text();
   record.versions = {{"LIGGGHTS", universe->version}, {"PETSc", petsc_version()}};
+  record.settings = settings_texts(script_);
   output_ = std::make_unique<Output>(world, script_.settings, *fluid_, record);
 }
 

@@ -14,6 +14,7 @@
 #include "liggghts_fixes/run/end_run.h"
 #include "liggghts_fixes/run/petsc_session.h"
 #include "liggghts_fixes/run/signals.h"
+#include "liggghts_fixes/script/keywords.h"
 #include "liggghts_fixes/style_registry.h"
 
 namespace {
@@ -47,10 +48,11 @@ int main(int argc, char** argv) {
   int status = 0;
   try {
     twogrid::CommandLine line = twogrid::split_command_line({argv, argv + argc});
-    if (line.version) {
+    if (line.version || line.keywords) {
       int rank = 0;
       MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-      if (rank == 0)
+      if (rank == 0 && line.keywords) std::fputs(twogrid::keyword_page().c_str(), stdout);
+      if (rank == 0 && line.version)
         std::printf("twogrid %s (%s), PETSc %s\n", TWOGRID_VERSION, TWOGRID_COMMIT, twogrid::petsc_version().c_str());
       MPI_Finalize();
       return 0;

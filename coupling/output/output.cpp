@@ -173,19 +173,21 @@ void Output::Impl::write_record(Hdf5File& file, const Settings& s, const Record&
   auto say = [&](const std::string& name, const std::string& value) {
     file.attribute(at, name, from_rank_0(comm_, value));
   };
+  auto say_all = [&](const std::string& group, const std::vector<std::pair<std::string, std::string>>& pairs) {
+    int given = int(pairs.size());
+    MPI_Bcast(&given, 1, MPI_INT, 0, comm_);
+    for (int i = 0; i < given; ++i) {
+      const auto pair = rank_ == 0 ? pairs[i] : std::pair<std::string, std::string>{};
+      file.attribute(group, from_rank_0(comm_, pair.first), from_rank_0(comm_, pair.second));
+    }
+  };
   say("program", "twogrid");
   say("version", TWOGRID_VERSION);
   say("commit", TWOGRID_COMMIT);
   say("compiler", __VERSION__);
   say("HDF5", Hdf5File::library_version());
   say("MPI", mpi_version());
-  int given = int(record.versions.size());
-  MPI_Bcast(&given, 1, MPI_INT, 0, comm_);
-  for (int i = 0; i < given; ++i) {
-    const auto pair = rank_ == 0 ? record.versions[i] : std::pair<std::string, std::string>{};
-    const std::string name = from_rank_0(comm_, pair.first);
-    say(name, pair.second);
-  }
+  say_all(at, record.versions);
   say("date", now());
   say("command_line", record.command_line);
   file.text(at + "/input_text", from_rank_0(comm_, record.input_text));
@@ -203,6 +205,8 @@ void Output::Impl::write_record(Hdf5File& file, const Settings& s, const Record&
   file.attribute(at, "viscosity", fluid_.viscosity());
   file.attribute(at, "drag", s.drag);
   file.attribute(at, "formulation", s.formulation == Formulation::kA ? "A" : "B");
+  file.group(at + "/settings");
+  say_all(at + "/settings", record.settings);
 }
 
 void Output::Impl::write_nodes(Hdf5File& file, const std::string& group, const Grid& grid) const {

@@ -3,6 +3,7 @@
 //
 //   /record                 attributes: version, commit, versions of libraries, ranks, date, settings; input_text:
 //                           the script
+//   /record/settings        attributes: all settings, those by default included, each by its keyword as a script has it
 //   /grid/x,y,z             nodes of the fine grid (m)
 //   /particle_grid/x,y,z    nodes of the particle grid (m); attribute ratio
 //   /fluid/NNNNNN/          frame NNNNNN (000000, 000001, ...):
@@ -40,6 +41,7 @@ struct Record {
   std::string input_text;  ///< of the script
   std::string command_line;
   std::vector<std::pair<std::string, std::string>> versions;  ///< name, version of libraries (LIGGGHTS, PETSc)
+  std::vector<std::pair<std::string, std::string>> settings;  ///< keyword of the script, its value as a script has it
 };
 
 /// Throws std::invalid_argument with a sentence when the settings can't be right. Local.

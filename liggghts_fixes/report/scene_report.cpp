@@ -6,6 +6,9 @@
 
 #include "cfd/boundary/patches.h"
 #include "coupling/forces/drag.h"
+#include "liggghts_fixes/script/boundary_words.h"
+#include "liggghts_fixes/script/keywords.h"
+#include "liggghts_fixes/script/models.h"
 #include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
@@ -36,20 +39,20 @@ bool below(double a, double b) {
 }
 
 std::string condition_text(const BoundaryCondition& c) {
+  const std::string word = condition_word(c.kind);
   switch (c.kind) {
     case BoundaryKind::kSlip:
-      return "slip";
+    case BoundaryKind::kPeriodic:
+      break;
     case BoundaryKind::kNoSlip:
-      return "noslip" + (c.velocity == Vec3{0, 0, 0} ? "" : ", moving with " + three(c.velocity) + " m/s");
+      return word + (c.velocity == Vec3{0, 0, 0} ? "" : ", moving with " + three(c.velocity) + " m/s");
     case BoundaryKind::kInlet:
-      return "inlet, superficial " +
+      return word + ", superficial " +
              (c.velocity_now ? three(c.velocity_now()) + " m/s now (variable)" : three(c.velocity) + " m/s");
     case BoundaryKind::kPressure:
-      return "pressure " + text(c.pressure) + " Pa";
-    case BoundaryKind::kPeriodic:
-      return "periodic";
+      return word + " " + text(c.pressure) + " Pa";
   }
-  return "";
+  return word;
 }
 
 double largest_inlet(const FluidSettings& fluid, bool* varies) {
@@ -62,17 +65,6 @@ double largest_inlet(const FluidSettings& fluid, bool* varies) {
         U = std::max(U, std::abs(u[direction(s)]));
       }
   return U;
-}
-
-const char* deposit_name(Deposit d) {
-  static const char* const kNames[] = {"centroid", "trilinear", "exact sphere-cell volume", "cube"};
-  return kNames[int(d)];
-}
-const char* read_name(Read r) {
-  static const char* const kNames[] = {
-      "mean of the particle cell",  "trilinear between particle cells", "fine cell",
-      "trilinear on the fine grid", "kernel on the fine grid",          "mean over the cube"};
-  return kNames[int(r)];
 }
 
 }  // namespace
@@ -288,8 +280,9 @@ std::string accuracy_text(const Accuracy& a) {
   return text;
 }
 
-std::string scene_report(const Settings& s, const std::array<bool, 6>& side_given, bool every_auto,
-                         const FineGrid& grid, const SceneFacts& facts) {
+std::string scene_report(const Script& script, const FineGrid& grid, const SceneFacts& facts) {
+  const Settings& s = script.settings;
+  const bool every_auto = script.every_auto;
   const SceneNumbers n = scene_numbers(s, grid, facts);
   std::ostringstream out;
   const auto line = [&](const std::string& name, const std::string& value) {
@@ -299,13 +292,18 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
 
   int components = 3;
   for (int f : s.fine) components -= f == 1;
+  std::string models_on;
+  for (const Model& m : models()) {
+    const std::string on = m.report(script);
+    if (!on.empty()) models_on += ", " + on;
+  }
   line("modelled", "volume-averaged flow, " + std::to_string(components) + " velocity components, formulation " +
                        (s.formulation == Formulation::kA ? "A" : "B") + ", drag " + s.drag +
                        (s.formulation == Formulation::kA ? ", pressure gradient force"
                         : sizes_differ(facts) && !s.one_way
                             ? ", and V_p times the pressure gradient that the drag makes, as sizes differ"
                             : "") +
-                       (s.fluid.gap_friction ? ", gap friction" : "") + (s.one_way ? ", one-way" : ""));
+                       models_on + (s.one_way ? ", one-way" : ""));
   line("not modelled", "turbulence, heat, species, lift, virtual mass, Basset force, rotation by the fluid");
   for (const std::string& saving : scene_savings(s, facts)) line("not computed", saving);
   line("domain", "x " + text(s.domain[0]) + " to " + text(s.domain[1]) + ", y " + text(s.domain[2]) + " to " +
@@ -316,13 +314,12 @@ std::string scene_report(const Settings& s, const std::array<bool, 6>& side_give
                         (facts.d_mean > 0 ? " = " + brief(n.h_min / facts.d_mean) + " d" : ""));
   line("particle grid", three(coarse) + " cells of " + three(s.ratio) + " fine ones, smallest " + brief(n.h_coarse) +
                             " m" + (facts.d_mean > 0 ? " = " + brief(n.h_coarse / facts.d_mean) + " d" : ""));
-  line("method", std::string("deposit ") + deposit_name(s.deposit) + ", prolong " +
-                     (s.prolong == Prolong::kConstant ? "constant" : "linear") + ", read " + read_name(s.read) +
-                     ", eps bound " + (s.bound == EpsBound::kMove ? "move " : "clip ") + text(s.eps_min));
+  for (const char* name : {"method", "numerics"}) line(name, report_line(name, script));
+  if (const std::string flow = report_line("flow", script, true); !flow.empty()) line("flow", flow);
   for (int side = 0; side < 6; ++side)
     for (std::size_t i = 0; i < s.fluid.side[side].size(); ++i) {
       const BoundaryCondition& c = s.fluid.side[side][i];
-      const bool silent = c.name.empty() && !side_given[side];
+      const bool silent = c.name.empty() && !script.side_given[side];
       std::string what = condition_text(c);
       if (silent) what += c.kind == BoundaryKind::kPeriodic ? " (as the box)" : " (not given in the script)";
       if (!c.name.empty()) {

@@ -7,6 +7,7 @@
 
 #include "coupling/control/accuracy.h"
 #include "coupling/settings.h"
+#include "liggghts_fixes/script/script.h"
 
 namespace twogrid {
 
@@ -75,8 +76,7 @@ std::vector<std::string> scene_warnings(const Settings& settings, const FineGrid
                                         const SceneNumbers& numbers, bool every_auto = false);
 
 /// The whole report, several lines.
-std::string scene_report(const Settings& settings, const std::array<bool, 6>& side_given, bool every_auto,
-                         const FineGrid& grid, const SceneFacts& facts);
+std::string scene_report(const Script& script, const FineGrid& grid, const SceneFacts& facts);
 
 /// What the checks of a run found, and a warning where it is more than was wanted.
 std::string accuracy_text(const Accuracy& accuracy);

@@ -57,6 +57,8 @@ CommandLine split_command_line(const std::vector<std::string>& words) {
         while (i < words.size() && words[i][0] != '-') c.liggghts.push_back(words[i++]);
     } else if (name == "-version" || name == "--version") {
       c.version = true;
+    } else if (name == "-keywords" || name == "--keywords") {
+      c.keywords = true;
     } else if (name == "-particles") {
       if (i == words.size())
         throw std::invalid_argument(

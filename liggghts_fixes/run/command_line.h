@@ -10,6 +10,7 @@ struct CommandLine {
   std::vector<std::string> liggghts;  ///< begins with the program's name
   std::vector<std::string> petsc;     ///< likewise
   bool version = false;               ///< -version was asked for
+  bool keywords = false;              ///< -keywords was asked for
   std::string particles = "auto";     ///< -particles: what evaluates contacts, see register_particles()
 };
 

@@ -22,6 +22,17 @@ std::string text(double value) {
   return out.str();
 }
 
+std::string exact(double value) {
+  std::ostringstream out;
+  for (int digits : {6, 12, 15, 16, 17}) {
+    out.str("");
+    out.precision(digits);
+    out << value;
+    if (std::strtod(out.str().c_str(), nullptr) == value) break;
+  }
+  return out.str();
+}
+
 std::string brief(double value) {
   std::ostringstream out;
   out.precision(4);
@@ -34,6 +45,13 @@ bool is_number(const std::string& word, double* value) {
   char* end = nullptr;
   *value = std::strtod(word.c_str(), &end);
   return *end == '\0' && std::isfinite(*value);
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> words;
+  for (std::string w; in >> w;) words.push_back(w);
+  return words;
 }
 
 std::string listed(const std::vector<std::string>& words) {

@@ -12,6 +12,8 @@ namespace twogrid {
 
 /// Shortest decimal text of a number that a user would recognise.
 std::string text(double value);
+/// Shortest decimal text that is read back as the same number.
+std::string exact(double value);
 /// Four significant digits: for what a user reads, not for what a program reads.
 std::string brief(double value);
 
@@ -41,6 +43,8 @@ class Words {
 
 /// The whole word as a finite number.
 bool is_number(const std::string& word, double* value);
+/// The words of a text, which blanks part.
+std::vector<std::string> split(const std::string& text);
 /// "a, b or c".
 std::string listed(const std::vector<std::string>& words);
 

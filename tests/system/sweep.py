@@ -72,12 +72,13 @@ def wrong_input(c, folder, executable):
 
 def choices_reach_script(c, folder, executable):
     done = sweep(folder, executable, "--choice", "every=10,20", "--choice", "ratio=1 1 2", "--fixed", "deposit=exact", "--fixed",
-                 "timestep=1e-5", "--fixed", "kn=55", "--fixed", "gap=1.6e-3", "--fixed", "eps bound=clip 0.4", "--reference", "finest")
+                 "timestep=1e-5", "--fixed", "kn=55", "--fixed", "gap=1.6e-3", "--fixed", "eps bound=clip 0.4",
+                 "--fixed", "method=paper", "--fixed", "stretch=z symmetric 1.01", "--reference", "finest")
     c.true("a sweep of two runs ends well", done.returncode == 0) or c.note(done.stdout[-500:])
     made = {choices["every"]: text for choices, text, _ in runs(folder)}
     c.true("one run for each value", sorted(made) == ["10", "20"])
     text = made.get("20", "")
-    for wanted in ("every 20", "fine 4 4 8 ratio 1 1 2", "fix_modify gas deposit exact", "fix_modify gas eps bound clip 0.4", "timestep 1e-05",
+    for wanted in ("every 20", "fine 4 4 8 ratio 1 1 2", "stretch z symmetric 1.01", "fix_modify gas method paper\nfix_modify gas deposit exact", "fix_modify gas eps bound clip 0.4", "timestep 1e-05",
                    "kn peratomtypepair 1 55"):
         c.true(f"the script says '{wanted}'", wanted in text)
     table = open(os.path.join(folder, "sweep", "table.csv")).read() if done.returncode == 0 else ""

@@ -9,6 +9,7 @@
 #include "cfd/boundary/boundaries.h"
 #include "cfd/boundary/patches.h"
 #include "liggghts_fixes/report/scene_report.h"
+#include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/script_parser.h"
 
 namespace twogrid {

@@ -290,7 +290,10 @@ int check_xdmf(const std::string& path, const ReadBack& file) {
 // kill.
 TEST_F(OutputTest, FramesHoldTheValuesOfEveryCellFaceAndParticle) {
   settings_.output.fields = {"u", "p", "eps", "faces"};
-  Record record{"fix gas all twogrid\nrun 0\n", "twogrid -in in.bed", {{"LIGGGHTS", "3.8.0"}}};
+  Record record{"fix gas all twogrid\nrun 0\n",
+                "twogrid -in in.bed",
+                {{"LIGGGHTS", "3.8.0"}},
+                {{"eps bound", "move 0.3"}, {"boundary", "zlo slip; zhi slip"}}};
   Output output(MPI_COMM_WORLD, settings_, fluid_, record);
   const int particles[3] = {40, 0, 23};  // changes from frame to frame; none at all in the second
   for (int n = 0; n < 3; ++n) {
@@ -306,6 +309,8 @@ TEST_F(OutputTest, FramesHoldTheValuesOfEveryCellFaceAndParticle) {
     EXPECT_EQ(file.text("/record/input_text"), record.input_text);
     EXPECT_EQ(file.text_attribute("/record", "command_line"), record.command_line);
     EXPECT_EQ(file.text_attribute("/record", "LIGGGHTS"), "3.8.0");
+    for (const auto& [keyword, value] : record.settings)
+      EXPECT_EQ(file.text_attribute("/record/settings", keyword.c_str()), value);
     EXPECT_EQ(file.int_attribute("/record", "ranks"), mpi_ranks());
     const char* xyz[3] = {"x", "y", "z"};
     for (int d = 0; d < 3; ++d) {

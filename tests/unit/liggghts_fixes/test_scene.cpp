@@ -11,6 +11,7 @@
 #include "liggghts_fixes/report/progress.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/run/command_line.h"
+#include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/script_parser.h"
 
 namespace twogrid {
@@ -46,6 +47,14 @@ SceneFacts facts() {
 
 bool any_with(const std::vector<std::string>& list, const std::string& part) {
   return std::any_of(list.begin(), list.end(), [&](const std::string& s) { return s.find(part) != std::string::npos; });
+}
+
+/// Of a script that gives the conditions at zlo and zhi.
+std::string report_of(const Settings& s, const SceneFacts& f) {
+  Script script;
+  script.settings = s;
+  script.side_given = {false, false, false, false, true, true};
+  return scene_report(script, fine_grid(s, {false, false, false}), f);
 }
 
 TEST(SceneNumbersOf, MinimumFluidisationSolvesErgun) {
@@ -131,8 +140,7 @@ TEST(SceneWarnings, EachHasItsCause) {
 TEST(SceneReportText, MixturesOfSizes) {
   Settings s = scene();
   SceneFacts f = facts();
-  const FineGrid grid = fine_grid(s, {false, false, false});
-  const auto report = [&] { return scene_report(s, {false, false, false, false, true, true}, false, grid, f); };
+  const auto report = [&] { return report_of(s, f); };
   EXPECT_EQ(report().find("as sizes differ"), std::string::npos);
   EXPECT_EQ(report().find("beetstra/poly"), std::string::npos);
   f.d_max = 3 * f.d_min;
@@ -146,8 +154,7 @@ TEST(SceneReportText, MixturesOfSizes) {
 TEST(SceneReportText, ABedThatHoldsFewParticleCells) {
   Settings s = scene();
   SceneFacts f = facts();
-  const FineGrid grid = fine_grid(s, {false, false, false});
-  const auto report = [&] { return scene_report(s, {false, false, false, false, true, true}, false, grid, f); };
+  const auto report = [&] { return report_of(s, f); };
   EXPECT_NE(report().find("0.03483 m: drag short by about 3.33 %"), std::string::npos) << report();
   EXPECT_EQ(report().find("holds few particle cells"), std::string::npos);
   choose(*find_method("smooth"), 0, s);
@@ -202,9 +209,7 @@ TEST(SceneReportText, InletsThatFollowAVariable) {
   double U = 0;
   s.fluid.side[kZlo][0].velocity_now = [&] { return Vec3{0, 0, U}; };
   SceneFacts f = facts();
-  const auto report = [&] {
-    return scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), f);
-  };
+  const auto report = [&] { return report_of(s, f); };
   EXPECT_NE(report().find("of minimum fluidisation (an inlet's variable is 0 now)"), std::string::npos);
   EXPECT_NE(report().find("hold for its value now"), std::string::npos);
   U = 2;
@@ -221,7 +226,7 @@ TEST(SceneReportText, SkinFarFromTheBest) {
     SceneFacts f = facts();
     f.skin = skin * f.d_mean;
     f.script_skin = script < 0 ? -1 : script * f.d_mean;
-    return scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), f);
+    return report_of(s, f);
   };
   EXPECT_NE(report(0.1).find("0.1 diameters; 0.25 to 0.7"), std::string::npos);
   EXPECT_NE(report(0.9).find("0.9 diameters; 0.25 to 0.7"), std::string::npos);
@@ -231,8 +236,7 @@ TEST(SceneReportText, SkinFarFromTheBest) {
 
 TEST(SceneReportText, SaysGridsSidesAndDefaults) {
   const Settings s = scene();
-  const std::string r =
-      scene_report(s, {false, false, false, false, true, true}, false, fine_grid(s, {false, false, false}), facts());
+  const std::string r = report_of(s, facts());
   for (const char* part : {"40 x 10 x 200", "10 x 2 x 50", "zlo", "inlet", "pressure 0 Pa",
                            "slip (not given in the script)", "U/U_mf", "Re = ", "9240", "not modelled", "20 steps"})
     EXPECT_NE(r.find(part), std::string::npos) << part << "\n" << r;

@@ -8,22 +8,15 @@
 
 #include <cstdio>
 #include <fstream>
-#include <sstream>
 
 #include "cfd/boundary/patches.h"
 #include "coupling/methods.h"
+#include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/script_parser.h"
 #include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
 namespace {
-
-std::vector<std::string> split(const std::string& line) {
-  std::istringstream in(line);
-  std::vector<std::string> words;
-  for (std::string w; in >> w;) words.push_back(w);
-  return words;
-}
 
 const char* const kFix = "fine 8 4 16 ratio 4 2 4 density 1.2 viscosity 1.8e-5 every 10";
 

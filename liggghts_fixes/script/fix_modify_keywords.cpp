@@ -1,0 +1,310 @@
+#include <algorithm>
+
+#include "coupling/forces/drag.h"
+#include "coupling/methods.h"
+#include "liggghts_fixes/script/boundary_words.h"
+#include "liggghts_fixes/script/keywords.h"
+#include "liggghts_fixes/script/models.h"
+#include "liggghts_fixes/script/options.h"
+
+namespace twogrid {
+namespace {
+
+const Options<Formulation> kFormulations{{Formulation::kA, "A"}, {Formulation::kB, "B"}};
+const Options<bool> kNoOrYes{{false, "no"}, {true, "yes"}};
+const Options<Choice> kChoices{{Choice::kOff, "off"}, {Choice::kOn, "on"}, {Choice::kAuto, "auto"}};
+const Options<Deposit> kDeposits{{Deposit::kCentroid, "centroid"},
+                                 {Deposit::kTrilinear, "trilinear"},
+                                 {Deposit::kExact, "exact", "volume of sphere and cell in common"},
+                                 {Deposit::kCube, "cube", "", "EDGE"}};
+const Options<Prolong> kProlongs{{Prolong::kConstant, "constant"},
+                                 {Prolong::kLinear, "linear", "bounded, volume kept"}};
+const Options<Read> kReads{{Read::kCell, "cell", "mean of the particle cell"},
+                           {Read::kTrilinear, "trilinear", "between particle cells"},
+                           {Read::kFine, "fine"},
+                           {Read::kFineTrilinear, "fine/trilinear", "between fine cells"},
+                           {Read::kKernel, "kernel", "on the fine grid", "WIDTH"},
+                           {Read::kCube, "cube", "", "EDGE"}};
+const Options<EpsBound> kBounds{{EpsBound::kMove, "move", "what is too much goes to cells beside"},
+                                {EpsBound::kClip, "clip", "it is thrown away"}};
+const Options<Interpolate> kInterpolates{{Interpolate::kSmooth, "smooth"}, {Interpolate::kLinear, "linear"}};
+const Options<Convection> kConvections{
+    {Convection::kVanLeer, "vanleer", "bounded"},
+    {Convection::kCentral, "central",
+     "keeps energy, not bounded: for verification and finely resolved flows; unstable above a Courant number of 0.6: "
+     "`tests/run.sh -R verification_np1`"},
+    {Convection::kNone, "none"}};
+
+/// A row for one choice out of a list. member(settings): where it goes.
+template <class E, class Member>
+Keyword choice(const std::string& words, const Options<E>& options, const std::string& text, const std::string& line,
+               Member member) {
+  return {words,
+          option_list(options),
+          "",
+          text,
+          "",
+          line,
+          [&options, member](const Line& l) { member(l.settings()) = take_option(l.words, l.keyword, options); },
+          [&options, member](const Script& script) {
+            Settings s = script.settings;
+            return std::string(option_of(options, member(s)).word);
+          }};
+}
+
+std::string three(const Vec3& v) {
+  return exact(v[0]) + " " + exact(v[1]) + " " + exact(v[2]);
+}
+Vec3 three_numbers(const Line& line, const std::string& wanted) {
+  Vec3 v;
+  for (double& x : v) x = line.number(wanted);
+  return v;
+}
+
+std::string in_quotes(const std::string& names) {
+  std::string s;
+  for (const std::string& name : split(names)) s += (s.empty() ? "`" : ", `") + name + "`";
+  return s;
+}
+
+// ---- drag, method, deposit, read, eps bound ------------------------------------------------------------------------
+
+void parse_drag(const Line& line) {
+  const std::string wanted = "one of " + drag_law_names();
+  line.settings().drag = line.words.word(line.keyword, wanted);
+  if (!find_drag_law(line.settings().drag)) refuse(line.keyword, line.settings().drag, wanted);
+}
+
+void parse_method(const Line& line) {
+  const std::string wanted = "one of " + method_names(), name = line.words.word(line.keyword, wanted);
+  const Method* method = find_method(name);
+  if (!method) refuse(line.keyword, name, wanted);
+  const double length =
+      method->length ? line.words.positive("method " + name, std::string("a ") + method->length) : 0.0;
+  choose(*method, length, line.settings());
+}
+
+std::string method_list() {
+  std::string s;
+  for (const std::string& name : split(method_names())) {
+    const Method& m = *find_method(name);
+    s += (s.empty() ? "`" : ", `") + name + "`" +
+         (!m.length                 ? ""
+          : m.read == Read::kKernel ? " WIDTH (m)"
+                                    : " EDGE (m)");
+  }
+  return s;
+}
+
+std::string length_text(const Settings& s, Deposit deposit, Read read) {
+  if (read == Read::kKernel) return " " + exact(s.kernel_width);
+  if (read == Read::kCube || deposit == Deposit::kCube) return " " + exact(s.cube_edge);
+  return "";
+}
+
+std::string method_text(const Script& script) {
+  const Settings& s = script.settings;
+  const Method& m = *find_method(s.method);
+  return s.method + (m.length ? length_text(s, m.deposit, m.read) : "");
+}
+
+void parse_deposit(const Line& line) {
+  Settings& s = line.settings();
+  s.deposit = take_option(line.words, line.keyword, kDeposits);
+  if (s.deposit == Deposit::kCube) s.cube_edge = line.words.positive("deposit cube", "an edge above 0 (m)");
+}
+
+void parse_read(const Line& line) {
+  Settings& s = line.settings();
+  s.read = take_option(line.words, line.keyword, kReads);
+  if (s.read == Read::kKernel) s.kernel_width = line.words.positive("read kernel", "a full width above 0 (m)");
+  if (s.read != Read::kCube) return;
+  const double edge = line.words.positive("read cube", "an edge above 0 (m)");
+  if (s.deposit == Deposit::kCube && s.cube_edge != edge)
+    refuse("read cube", text(edge), "the edge of deposit cube, " + text(s.cube_edge));
+  s.cube_edge = edge;
+}
+
+void parse_eps_bound(const Line& line) {
+  Settings& s = line.settings();
+  s.bound = take_option(line.words, line.keyword, kBounds);
+  const std::string found = line.words.peek(), wanted = "a smallest void fraction between 0 and 1";
+  s.eps_min = line.number(wanted);
+  if (!(s.eps_min > 0 && s.eps_min < 1)) refuse(line.keyword, found, wanted);
+}
+
+// ---- output --------------------------------------------------------------------------------------------------------
+
+void parse_output(const Line& line) {
+  OutputSettings& out = line.settings().output;
+  Words& words = line.words;
+  const bool started = line.started;
+  if (words.take_if("off")) {
+    out.every = 0;
+    return;
+  }
+  static const std::vector<std::string> kFields{"u", "p", "eps", "faces"};
+  bool any = false;
+  for (;; any = true) {
+    if (words.take_if("every")) {
+      out.every = words.whole("output every", "a whole number of DEM steps, at least 1", 1);
+    } else if (!started && words.take_if("file")) {
+      out.file = words.word("output file", "a file name");
+    } else if (!started && words.take_if("fields")) {
+      out.fields.clear();
+      while (std::find(kFields.begin(), kFields.end(), words.peek()) != kFields.end())
+        out.fields.push_back(words.word("output fields", ""));
+      if (out.fields.empty()) refuse("output fields", words.peek(), listed(kFields));
+    } else if (!started && words.take_if("particles")) {
+      out.particles = words.yes_or_no("output particles");
+    } else if (!started && words.take_if("average")) {
+      words.one_of("output average", {"from"});
+      out.average_from = words.number("output average from", "a time in s, at least 0");
+      if (out.average_from < 0) refuse("output average from", text(out.average_from), "a time in s, at least 0");
+    } else {
+      break;
+    }
+  }
+  if (!any)
+    refuse("output", words.peek(),
+           started ? "off or every N (the rest is fixed at the first run)"
+                   : "every N file F [fields u p eps] [particles yes|no] [average from T], or off");
+}
+
+std::string output_text(const Script& script) {
+  const OutputSettings& out = script.settings.output;
+  if (out.every == 0) return "";
+  std::string s = "every " + std::to_string(out.every);
+  if (!out.file.empty()) s += " file " + out.file;
+  if (!out.fields.empty()) s += " fields";
+  for (const std::string& f : out.fields) s += " " + f;
+  s += out.particles ? " particles yes" : " particles no";
+  if (out.average_from >= 0) s += " average from " + exact(out.average_from);
+  return s;
+}
+
+// ---- flow and steps ------------------------------------------------------------------------------------------------
+
+void parse_flow_rate(const Line& line) {
+  const int d = line.words.one_of(line.keyword, {"x", "y", "z"});
+  line.fluid().flow_rate[d] = line.number("a mean superficial velocity in m/s");
+  line.fluid().flow_rate_set[d] = true;
+}
+
+std::string flow_rate_text(const Script& script) {
+  const FluidSettings& f = script.settings.fluid;
+  std::string s;
+  for (int d = 0; d < 3; ++d)
+    if (f.flow_rate_set[d]) s += (s.empty() ? "" : "; ") + std::string(1, "xyz"[d]) + " " + exact(f.flow_rate[d]);
+  return s;
+}
+
+void parse_accuracy(const Line& line) {
+  const std::string found = line.words.peek(), wanted = "a relative error of the steps in time, 0.0001 to 0.5";
+  double& accuracy = line.settings().accuracy;
+  accuracy = line.number(wanted);
+  if (!(accuracy >= 1e-4 && accuracy <= 0.5)) refuse(line.keyword, found, wanted);
+}
+
+void parse_cfl(const Line& line) {
+  line.settings().cfl_given = true;
+  const std::string found = line.words.peek(), wanted = "a Courant number above 0 and at most 1";
+  line.fluid().cfl = line.positive(wanted);
+  if (line.fluid().cfl > 1) refuse(line.keyword, found, wanted);
+}
+
+void parse_tolerance(const Line& line) {
+  line.settings().tolerance_given = true;
+  const std::string found = line.words.peek(), wanted = "a relative continuity error above 0 and below 0.1";
+  line.fluid().pressure_rtol = line.positive(wanted);
+  if (line.fluid().pressure_rtol >= 0.1) refuse(line.keyword, found, wanted);
+}
+
+/// A number that is not set while it is 0.
+std::string unless_0(double value) {
+  return value == 0 ? "" : exact(value);
+}
+
+std::vector<Keyword> make_rows() {
+  std::vector<Keyword> rows{
+      {"drag", in_quotes(drag_law_names()), "", "", "", "", parse_drag,
+       [](const Script& s) { return s.settings.drag; }},
+      choice("formulation", kFormulations, "form of the equations, see below", "",
+             [](Settings& s) -> Formulation& { return s.formulation; }),
+      {"method", method_list(), "", "sets deposit, prolong and read, table below; each may be changed after it", "",
+       "method", parse_method, method_text},
+      {"deposit", option_list(kDeposits), "", "how a particle's volume goes onto the particle cells", "", "method",
+       parse_deposit,
+       [](const Script& s) {
+         return option_of(kDeposits, s.settings.deposit).word +
+                length_text(s.settings, s.settings.deposit, Read::kCell);
+       },
+       [](const Script& s) { return option_of(kDeposits, s.settings.deposit).note; }},
+      choice("prolong", kProlongs, "how the void fraction comes down to the fine cells", "method",
+             [](Settings& s) -> Prolong& { return s.prolong; }),
+      {"read", option_list(kReads), "", "what of the fluid a particle feels", "", "method", parse_read,
+       [](const Script& s) {
+         return option_of(kReads, s.settings.read).word + length_text(s.settings, Deposit::kCentroid, s.settings.read);
+       },
+       [](const Script& s) { return option_of(kReads, s.settings.read).note; }},
+      {"eps bound", option_list(kBounds) + ", then EPS", "", "smallest void fraction of a particle cell", "", "method",
+       parse_eps_bound,
+       [](const Script& s) { return option_of(kBounds, s.settings.bound).word + (" " + exact(s.settings.eps_min)); }},
+      choice("interpolate", kInterpolates, "void fraction between couplings, seen by sub-steps of the fluid",
+             "numerics", [](Settings& s) -> Interpolate& { return s.interpolate; }),
+      choice("hold", kChoices, "between couplings particles see the volume flux held, not the velocity", "numerics",
+             [](Settings& s) -> Choice& { return s.hold_flux; }),
+      choice("one-way", kNoOrYes, "the fluid doesn't feel the particles", "",
+             [](Settings& s) -> bool& { return s.one_way; }),
+      {"boundary", "SIDE condition, or SIDE `patch` NAME shape condition", "", "see below",
+       "`slip`, or periodic where the box is", "", [](const Line& l) { parse_boundary(l.script, l.words, l.started); },
+       boundary_text, nullptr, true, true},
+      {"initial u", "ux uy uz", "m/s", "interstitial velocity at the beginning", "", "flow",
+       [](const Line& l) { l.fluid().initial_velocity = three_numbers(l, "three velocities in m/s"); },
+       [](const Script& s) { return three(s.settings.fluid.initial_velocity); }},
+      {"initial vortex", "U", "m/s", "Taylor-Green vortices in x and y over the domain, on top of `initial u`", "",
+       "flow", [](const Line& l) { l.fluid().initial_vortex = l.number("a velocity in m/s"); },
+       [](const Script& s) { return exact(s.settings.fluid.initial_vortex); }},
+      {"pressure_gradient", "px py pz", "Pa/m", "of the mean pressure, in periodic directions", "", "flow",
+       [](const Line& l) { l.fluid().pressure_gradient = three_numbers(l, "three gradients in Pa/m"); },
+       [](const Script& s) { return three(s.settings.fluid.pressure_gradient); }},
+      {"flow_rate", "`x`, `y` or `z`, and the mean of eps u + eps_s v", "m/s", "in a periodic direction", "none",
+       "flow", parse_flow_rate, flow_rate_text, nullptr, true},
+      {"cfl", "X", "", "largest Courant number of a fluid step, up to 1 (0.6 with `convection central`)", "",
+       "numerics", parse_cfl, [](const Script& s) { return exact(s.settings.fluid.cfl); }},
+      {"dt", "X", "s", "largest fluid step; `cfl` is then not looked at", "as cfl and the coupling interval allow",
+       "numerics", [](const Line& l) { l.fluid().dt = l.positive("a largest fluid step above 0 (s)"); },
+       [](const Script& s) { return unless_0(s.settings.fluid.dt); }},
+      {"accuracy", "X, such as 0.01", "",
+       "error wanted of the steps in time. Chooses cfl and solver tolerance (and the coupling interval with `every "
+       "auto`), checks itself now and then against half the step",
+       "off", "", parse_accuracy, [](const Script& s) { return unless_0(s.settings.accuracy); }},
+      {"tolerance", "X", "", "continuity error wanted, relative to U/h", "", "numerics", parse_tolerance,
+       [](const Script& s) { return exact(s.settings.fluid.pressure_rtol); }},
+      choice("convection", kConvections, "how the flow carries momentum", "numerics",
+             [](Settings& s) -> Convection& { return s.fluid.convection; }),
+      choice("implicit", kChoices, "viscosity treated implicitly", "numerics",
+             [](Settings& s) -> Choice& { return s.fluid.implicit_viscosity; }),
+      {"output",
+       "`every` N DEM steps, `file` NAME.h5, `fields` some of `u p eps faces`, `particles yes` or `no`, `average from` "
+       "T (s of fluid time); or `off`",
+       "", "", "none", "", parse_output, output_text, nullptr, false, true},
+      {"model", "NAME keyword value ...", "", "", "none", "", parse_model, nullptr, nullptr, false, true}};
+  std::vector<std::string> names;
+  for (const Model& m : models()) {
+    names.push_back("`" + m.name + "`");
+    rows.insert(rows.end(), m.keywords.begin(), m.keywords.end());
+  }
+  for (Keyword& k : rows)
+    if (k.words == "model") k.text = "keywords of a model, whose name they begin with: " + listed(names);
+  return rows;
+}
+
+}  // namespace
+
+const std::vector<Keyword>& fix_modify_keywords() {
+  static const std::vector<Keyword> kRows = make_rows();
+  return kRows;
+}
+
+}  // namespace twogrid

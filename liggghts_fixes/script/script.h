@@ -1,0 +1,41 @@
+// What `fix ID group twogrid ...` and `fix_modify ID ...` have said so far. Plain values.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "coupling/settings.h"
+
+namespace twogrid {
+
+/// Three components as a script gives them: numbers, or LIGGGHTS equal-style variables (v_NAME).
+struct ScriptedVelocity {
+  Vec3 number{0, 0, 0};                 ///< m/s
+  std::array<std::string, 3> variable;  ///< name without v_; empty: the number holds
+  bool is_constant() const { return variable[0].empty() && variable[1].empty() && variable[2].empty(); }
+};
+
+/// What belongs to a condition and can only be resolved inside LIGGGHTS. Parallel to FluidSettings::side.
+struct ConditionNames {
+  ScriptedVelocity velocity;
+  std::string region;  ///< id of the patch's region; empty: none
+  std::string table;   ///< file of the inlet's profile; empty: none
+};
+
+/// A script so far.
+struct Script {
+  Settings settings;
+  bool domain_given = false;
+  bool every_auto = false;
+  std::array<bool, 6> side_given{};  ///< the whole side's condition was stated
+  std::array<std::vector<ConditionNames>, 6> names;
+};
+
+/// The simulation box as far as it concerns the fluid.
+struct BoxFacts {
+  std::array<double, 6> bounds{};  ///< xlo xhi ylo yhi zlo zhi (m)
+  std::array<bool, 3> periodic{};
+};
+
+}  // namespace twogrid
