@@ -1,5 +1,5 @@
 // Friction of two walls on the flow between them, where one cell spans the gap: -12 mu u/W^2, that of the parabola
-// between plates a distance W apart. Its step: cfd/momentum.
+// between plates a distance W apart. Its step: cfd/fluid/predictor.cpp.
 #include "liggghts_fixes/script/models.h"
 #include "liggghts_fixes/script/options.h"
 
