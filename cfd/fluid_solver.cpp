@@ -43,6 +43,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
   FluidReport report;
   if (exchange.replaced) replace_fluid(domain_, *eps.begin, exchange.same_flux, state_);
   means_.begin(state_);
+  if (state_.largest_viscosity == 0) update_properties(state_.u);  // for the first step's length
   double done = 0;
   while (done < interval * (1 - 1e-12)) {
     domain_.boundaries.update();
@@ -50,7 +51,8 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
     for (;;) {
       next_level(domain_, eps, std::min(1.0, (done + step.dt) / interval), interval, state_);
       predictor_.extrapolate(state_, step, u_tilde_);
-      const Inertia& A = predictor_.predict(state_, step, exchange, u_tilde_, u_next_);
+      update_properties(u_tilde_);
+      const Inertia& A = predictor_.predict(state_, step, properties_, exchange, u_tilde_, u_next_);
       report.pressure_iterations += projection_.project(state_, step, A, exchange, u_next_, conductance_);
       projection_.correct(state_, conductance_, u_next_);
       flow_rate_.hold(state_, exchange, conductance_, projection_.solver(), u_next_);
@@ -67,11 +69,27 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
     accept(step);
     means_.add(step.dt / interval, state_);
     monitors_.measure(state_, predictor_.inlet_head(), step.dt / interval, report);
-    if (step.implicit_viscosity) projection_.rotate_pressure(state_);
+    if (step.implicit_viscosity) projection_.rotate_pressure(properties_.viscosity, state_);
     done += step.dt;
     if (after_step_ && done < interval * (1 - 1e-12)) after_step_(report.steps, done / interval);
   }
   return report;
+}
+
+void FluidSolver::set_property_model(PropertyModel model) {
+  if (model && settings_.gap_friction)
+    throw std::invalid_argument(
+        "a model of the fluid's properties together with 'gap friction on'; wanted: 'gap friction off', whose walls "
+        "need "
+        "the viscosity as one number");
+  property_model_ = std::move(model);
+  properties_ = {};
+  state_.largest_viscosity = 0;
+}
+
+void FluidSolver::update_properties(const FaceField<FineGrid>& u) {
+  properties_.viscosity.number = settings_.viscosity;
+  if (property_model_) twogrid::update_properties(domain_, property_model_, u, state_, properties_);
 }
 
 void FluidSolver::check_finite(double cfl, const Step& step) const {

@@ -9,6 +9,7 @@
 //                    (central convection: + dt (dt + dt_1)/2 times the second divided difference of u^n, u^{n-1},
 //                    u^{n-2}; with constant steps u~ = 5/2 u^n - 2 u^{n-1} + 1/2 u^{n-2}. Without it any central scheme
 //                    that keeps energy grows, by 0.7 % a step at a Courant number of 0.3; with it none does up to 0.67)
+//                    then, where a model is given, properties (mu) as fields from u^n and u~
 //   (2) predict      A u* = -rho/dt (a1 eps^n u^n + a2 eps^{n-1} u^{n-1}) - rho div(F~ u~) + div(eps tau(u~))
 //                           - (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
 //                    (implicit viscosity: tau(u*) on the left, conjugate gradients)
@@ -32,6 +33,7 @@
 #include "cfd/fluid/monitors.h"
 #include "cfd/fluid/predictor.h"
 #include "cfd/fluid/projection.h"
+#include "cfd/fluid/properties.h"
 #include "cfd/fluid/time_step.h"
 #include "cfd/fluid_settings.h"
 
@@ -72,6 +74,10 @@ class FluidSolver : public Fluid {
   /// steps done and the share of the interval behind them. It may throw, on all ranks alike.
   void watch_steps(std::function<void(int, double)> after) { after_step_ = std::move(after); }
 
+  /// From the next step on properties are those of the model. Particles go on to see density() and viscosity(). Throws
+  /// std::invalid_argument where the friction of a one-cell gap needs the viscosity as one number.
+  void set_property_model(PropertyModel model);
+
   /// Settings that may change between runs (inlet values, tolerances); the grid and the kinds of boundary may not.
   FluidSettings& settings() { return settings_; }
   const FluidState& state() const { return state_; }
@@ -91,12 +97,15 @@ class FluidSolver : public Fluid {
 
  private:
   void make_continuous();
+  void update_properties(const FaceField<FineGrid>& u);
   void check_finite(double cfl, const Step& step) const;
   void accept(const Step& step);
 
   FluidSettings settings_;
   FluidDomain domain_;
   FluidState state_;
+  FluidProperties properties_;
+  PropertyModel property_model_;
 
   TimeStep time_step_;
   Predictor predictor_;

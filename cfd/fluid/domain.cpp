@@ -46,6 +46,23 @@ void FluidDomain::fill(CellField<FineGrid>& c) const {
   cell_halo.bring<double>(c);
 }
 
+void FluidDomain::extend(CellField<FineGrid>& c) const {
+  fill(c);
+  for (int d = 0; d < 3; ++d) {
+    if (grid.axis[d].periodic()) continue;
+    const int n = grid.axis[d].n();
+    for (bool high : {false, true}) {
+      Box beyond = local;
+      (high ? beyond.lo[d] : beyond.hi[d]) = high ? std::max(local.lo[d], n) : std::min(local.hi[d], 0);
+      for_each(beyond, [&](int i, int j, int k) {
+        Int3 inner{i, j, k};
+        inner[d] = high ? n - 1 : 0;
+        c(i, j, k) = c(inner[0], inner[1], inner[2]);
+      });
+    }
+  }
+}
+
 double FluidDomain::volume() const {
   double volume = 1;
   for (int d = 0; d < 3; ++d) volume *= grid.axis[d].length();

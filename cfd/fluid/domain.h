@@ -32,6 +32,8 @@ struct FluidDomain {
   /// Halo, prescribed faces and ghosts of a velocity; halo of a cell field. Collective.
   void fill(FaceField<FineGrid>& u) const;
   void fill(CellField<FineGrid>& c) const;
+  /// Halo, and beyond the domain's sides the value of the cell at the side. Collective.
+  void extend(CellField<FineGrid>& c) const;
   double volume() const;  ///< of the whole domain, m3
   double cells() const;   ///< of the whole domain, number
   /// True where the side or one of its patches is of the kind.

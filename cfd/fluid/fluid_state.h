@@ -27,6 +27,7 @@ struct FluidState {
   CellField<FineGrid> p;         // dynamic pressure (Pa), likewise
   Levels eps;                    // eps^n, eps^{n-1}, eps^{n-2}
   Vec3 imposed{0, 0, 0};         // G (Pa/m)
+  double largest_viscosity = 0;  // of the last step, where it varies: bounds the next (Pa s); 0: not known
   CellField<FineGrid> phi;       // change of p in the last step: the pressure solver's next first guess (Pa)
   CellField<FineGrid> response;  // potential answering a unit mean gradient: first guess too; only with a flow rate
   // Read after a step.
@@ -47,6 +48,7 @@ struct FluidState {
     array("p", s.p, f);
     components(s.eps, {"eps_0", "eps_1", "eps_2"}, f);
     f("imposed_x", s.imposed[0]), f("imposed_y", s.imposed[1]), f("imposed_z", s.imposed[2]);
+    f("largest_viscosity", s.largest_viscosity);
     array("phi", s.phi, f), array("response", s.response, f);
     components(s.eps_f, {"eps_f_x", "eps_f_y", "eps_f_z"}, f);
     f("rate_0", s.rate.b0), f("rate_1", s.rate.b1), f("rate_2", s.rate.b2), f("rate_excess", s.rate.excess);

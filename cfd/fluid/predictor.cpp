@@ -102,23 +102,25 @@ TWOGRID_VECTORISED void Predictor::predict_rows(const FluidState& state, const S
   if (domain_.solved[2]) predict_component<2>(state, step, exchange, rhs, u_next);
 }
 
-const Inertia& Predictor::predict(FluidState& state, const Step& step, const Interphase& exchange,
-                                  const FaceField<FineGrid>& u_tilde, FaceField<FineGrid>& u_next) {
-  const double rho = settings_.density, mu = settings_.viscosity;
-  const bool implicit = step.implicit_viscosity && mu > 0;
+const Inertia& Predictor::predict(FluidState& state, const Step& step, const FluidProperties& properties,
+                                  const Interphase& exchange, const FaceField<FineGrid>& u_tilde,
+                                  FaceField<FineGrid>& u_next) {
+  const double rho = settings_.density;
+  const Property& mu = properties.viscosity;
+  const bool viscous = mu.varies() || mu.number > 0, implicit = step.implicit_viscosity && viscous;
   if (implicit && inertia_field_[0].size() == 0) reset(rhs_, domain_.local), reset(inertia_field_, domain_.local);
   FaceField<FineGrid>& rhs = implicit ? rhs_ : u_next;
   for (auto& c : rhs) c.fill(0);
   convection_.add(rho, state.eps_f, u_tilde, settings_.convection, rhs);
   measure_inlet_head(state, u_tilde);
-  if (mu > 0 && !step.implicit_viscosity) viscous_.add(mu, state.eps[0], u_tilde, rhs);
+  if (viscous && !step.implicit_viscosity) viscous_.add(mu, state.eps[0], u_tilde, rhs);
   domain_.boundaries.set_outlet_pressure(u_tilde, rho);
   domain_.boundaries.apply_pressure(state.p);
 
   const bool gap = settings_.gap_friction;
   double friction = 0;  // of the walls of a one-cell gap, 12 mu/W^2
   for (int d = 0; gap && d < 3; ++d)
-    if (!domain_.solved[d]) friction = 12 * mu / (domain_.grid.axis[d].length() * domain_.grid.axis[d].length());
+    if (!domain_.solved[d]) friction = 12 * mu.number / (domain_.grid.axis[d].length() * domain_.grid.axis[d].length());
   inertia_.per_eps = rho * step.a0 / step.dt + friction;
   predict_rows(state, step, exchange, rhs, u_next);
   for (int d = 0; d < 3; ++d)

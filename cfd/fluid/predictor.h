@@ -8,6 +8,7 @@
 #include "cfd/fluid/fluid.h"
 #include "cfd/fluid/fluid_state.h"
 #include "cfd/fluid/inertia.h"
+#include "cfd/fluid/properties.h"
 #include "cfd/fluid/time_step.h"
 #include "cfd/fluid_settings.h"
 #include "cfd/momentum/convection.h"
@@ -25,8 +26,8 @@ class Predictor {
   /// u~ with halo and ghosts.
   void extrapolate(const FluidState& state, const Step& step, FaceField<FineGrid>& u_tilde) const;
   /// u* on own faces, and A. Sets the ghosts of p^n. Collective where viscosity is implicit.
-  const Inertia& predict(FluidState& state, const Step& step, const Interphase& exchange,
-                         const FaceField<FineGrid>& u_tilde, FaceField<FineGrid>& u_next);
+  const Inertia& predict(FluidState& state, const Step& step, const FluidProperties& properties,
+                         const Interphase& exchange, const FaceField<FineGrid>& u_tilde, FaceField<FineGrid>& u_next);
   /// Of own inlet faces: momentum flux through the first cells' centres less that entering, N.
   double inlet_head() const { return inlet_head_; }
 

@@ -11,7 +11,6 @@ namespace twogrid {
 
 Projection::Projection(FluidDomain& domain, const FluidSettings& settings)
     : domain_(domain),
-      settings_(settings),
       pressure_solver_(std::make_unique<PressureSolver>(domain.comm, domain.grid, domain.layout, settings.pressure_rtol,
                                                         domain.boundaries.halo())),
       imbalance_(domain.own),
@@ -170,10 +169,16 @@ void Projection::correct(FluidState& state, const FaceField<FineGrid>& conductan
   domain_.fill(u_next);
 }
 
-void Projection::rotate_pressure(FluidState& state) const {
-  for_each(domain_.own, [&](int i, int j, int k) {
-    state.p(i, j, k) -= 4.0 / 3.0 * settings_.viscosity * divergence_(i, j, k) / domain_.grid.volume(i, j, k);
-  });
+void Projection::rotate_pressure(const Property& mu, FluidState& state) const {
+  const auto lower = [&](const auto& mu_of) {
+    for_each(domain_.own, [&](int i, int j, int k) {
+      state.p(i, j, k) -= 4.0 / 3.0 * mu_of(i, j, k) * divergence_(i, j, k) / domain_.grid.volume(i, j, k);
+    });
+  };
+  if (mu.varies())
+    lower(mu.field());
+  else
+    lower([number = mu.number](int, int, int) { return number; });
   domain_.fill(state.p);
   domain_.boundaries.apply_pressure(state.p);
 }

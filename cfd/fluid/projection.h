@@ -10,6 +10,7 @@
 #include "cfd/fluid/inertia.h"
 #include "cfd/fluid/time_step.h"
 #include "cfd/fluid_settings.h"
+#include "cfd/grid/property.h"
 
 namespace twogrid {
 
@@ -28,7 +29,7 @@ class Projection {
   void correct(FluidState& state, const FaceField<FineGrid>& conductance, FaceField<FineGrid>& u_next) const;
   /// The rotational part of p^{n+1}, after all that the fluid felt (p^n + phi) has been measured; steps with implicit
   /// viscosity. Collective.
-  void rotate_pressure(FluidState& state) const;
+  void rotate_pressure(const Property& mu, FluidState& state) const;
   /// With the operator of the last project().
   PressureSolver& solver() { return *pressure_solver_; }
 
@@ -48,7 +49,6 @@ class Projection {
                          FaceField<FineGrid>& u_next) const;
 
   FluidDomain& domain_;
-  const FluidSettings& settings_;
   std::unique_ptr<PressureSolver> pressure_solver_;
   CellField<FineGrid> imbalance_;
   CellField<FineGrid> divergence_;     // implicit viscosity: imbalance_ before the pressure solver uses it

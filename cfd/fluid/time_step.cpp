@@ -79,7 +79,7 @@ double TimeStep::courant_rate(const FaceField<FineGrid>& u) const {
   return rate;
 }
 
-double TimeStep::largest_viscous_step(const FluidState&) const {
+double TimeStep::largest_viscous_step(const FluidState& state) const {
   // Extrapolated viscous terms: BDF2 is stable up to a step of 1/3 h^2/nu in one direction, 3/4 of it for div(tau); with
   // the extrapolation of central convection 1/5, and together with convection at the largest Courant number 0.12.
   double widest = 0;
@@ -88,8 +88,8 @@ double TimeStep::largest_viscous_step(const FluidState&) const {
     for (int i = 0; i < domain_.grid.axis[d].n(); ++i) h = std::min(h, domain_.grid.axis[d].width(i));
     if (domain_.boundaries.component_solved(d) || domain_.grid.axis[d].n() > 1) widest += 1 / (h * h);
   }
-  return (settings_.convection == Convection::kCentral ? 0.12 : 0.2) * settings_.density /
-         (settings_.viscosity * widest + 1e-300);
+  const double mu = state.largest_viscosity > 0 ? state.largest_viscosity : settings_.viscosity;
+  return (settings_.convection == Convection::kCentral ? 0.12 : 0.2) * settings_.density / (mu * widest + 1e-300);
 }
 
 /// The step changes only when it must: backward differences with a varying step don't hand on momentum exactly, and

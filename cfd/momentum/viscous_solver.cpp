@@ -37,9 +37,9 @@ class ViscousSolver::Impl {
     check(KSPSetFromOptions(solver_));
   }
 
-  int solve(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& inertia,
+  int solve(const Property& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& inertia,
             const FaceField<FineGrid>& rhs, FaceField<FineGrid>& u) {
-    mu_ = mu, eps_ = &eps, inertia_ = &inertia;
+    mu_ = &mu, eps_ = &eps, inertia_ = &inertia;
     stress_.diagonal(mu, eps, diagonal_);
     // The residual of the guess, with the sides' own values, is the right-hand side for a correction that is zero
     // there.
@@ -78,7 +78,7 @@ class ViscousSolver::Impl {
     halo_.bring(work_);
     boundaries_.apply(work_, homogeneous);
     for (auto& f : force_) f.fill(0);
-    stress_.add(mu_, *eps_, work_, force_);
+    stress_.add(*mu_, *eps_, work_, force_);
     for (int d = 0; d < 3; ++d)
       for_each(faces_[d], [&](int i, int j, int k) {
         const std::ptrdiff_t m = work_[d].index(i, j, k);
@@ -134,7 +134,7 @@ class ViscousSolver::Impl {
   const FaceExchange& halo_;
   std::array<std::vector<int>, 3> unknown_;  // memory indices of the solved own faces
   FaceField<FineGrid> work_, force_, diagonal_;
-  double mu_ = 0;
+  const Property* mu_ = nullptr;
   const CellField<FineGrid>* eps_ = nullptr;
   const FaceField<FineGrid>* inertia_ = nullptr;
   PetscVector x_, b_;
@@ -149,7 +149,7 @@ ViscousSolver::ViscousSolver(MPI_Comm comm, const Boundaries& boundaries, const 
 
 ViscousSolver::~ViscousSolver() = default;
 
-int ViscousSolver::solve(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& inertia,
+int ViscousSolver::solve(const Property& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& inertia,
                          const FaceField<FineGrid>& rhs, FaceField<FineGrid>& u) {
   return impl_->solve(mu, eps, inertia, rhs, u);
 }

@@ -23,7 +23,7 @@ class ViscousSolver {
 
   /// inertia: A (kg/(m3 s)), rhs (N), own faces; u on entry: first guess with prescribed faces set, on return: the
   /// solution. Collective. Throws std::runtime_error with a sentence on all ranks when it doesn't converge.
-  int solve(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& inertia,
+  int solve(const Property& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& inertia,
             const FaceField<FineGrid>& rhs, FaceField<FineGrid>& u);
 
  private:

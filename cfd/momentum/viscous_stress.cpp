@@ -18,8 +18,27 @@ ViscousTerm::ViscousTerm(const GridMeasures& measures, const Box& own, const Box
   for (auto* s : {&shear_[0], &shear_[1], &shear_[2], &shear_above_[0], &shear_above_[1]}) s->assign(slab, 0.0);
 }
 
+/// mu in cell m, on its low edge normal to two directions (strides sa, sb; shares of the upper cells ha, hb), on its low
+/// face.
+struct ViscousTerm::Uniform {
+  double mu;
+  double in_cell(std::ptrdiff_t) const { return mu; }
+  double on_edge(std::ptrdiff_t, std::ptrdiff_t, std::ptrdiff_t, double, double) const { return mu; }
+  double on_face(std::ptrdiff_t, std::ptrdiff_t) const { return mu; }
+};
+struct ViscousTerm::Varying {
+  const double* mu;
+  double in_cell(std::ptrdiff_t m) const { return mu[m]; }
+  double on_edge(std::ptrdiff_t m, std::ptrdiff_t sa, std::ptrdiff_t sb, double ha, double hb) const {
+    const double high = (1 - ha) / mu[m - sa] + ha / mu[m], low = (1 - ha) / mu[m - sa - sb] + ha / mu[m - sb];
+    return 1 / ((1 - hb) * low + hb * high);
+  }
+  double on_face(std::ptrdiff_t m, std::ptrdiff_t s) const { return 0.5 * (mu[m] + mu[m - s]); }
+};
+
 /// Normal stresses in slab k of own cells, and of one more around where a direction is not left out.
-inline void ViscousTerm::normal_stresses(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
+template <class Mu>
+inline void ViscousTerm::normal_stresses(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
                                          int k) {
   const int around = local_.size(1) > own_.size(1) ? 1 : 0;
   const int first = own_.lo[0] - 1, n = own_.size(0) + 2;
@@ -34,7 +53,7 @@ inline void ViscousTerm::normal_stresses(double mu, const CellField<FineGrid>& e
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
       const double x = (ux[i + 1] - ux[i]) * ix[i], y = (uy[i + sy] - uy[i]) * iy, z = (uz[i + sz] - uz[i]) * iz;
-      const double third = (x + y + z) * (1.0 / 3), g = 2 * mu * e[i];
+      const double third = (x + y + z) * (1.0 / 3), g = 2 * mu.in_cell(m + i) * e[i];
       nx[i] = g * (x - third);
       ny[i] = g * (y - third);
       nz[i] = g * (z - third);
@@ -43,8 +62,8 @@ inline void ViscousTerm::normal_stresses(double mu, const CellField<FineGrid>& e
 }
 
 /// Shear stresses of the two directions other than t on edges; edge m is the low corner of cell m in both.
-template <int t>
-inline void ViscousTerm::shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k,
+template <int t, class Mu>
+inline void ViscousTerm::shear_stress(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k,
                                       Slab& out) const {
   constexpr int a = (t + 1) % 3, b = (t + 2) % 3;
   const AxisMeasure &aa = axis_[a], &ab = axis_[b];
@@ -61,7 +80,8 @@ inline void ViscousTerm::shear_stress(double mu, const CellField<FineGrid>& eps,
     for (int i = 0; i < n; ++i) {
       const double high = e[i - sa] + ha[i] * (e[i] - e[i - sa]);
       const double low = e[i - sa - sb] + ha[i] * (e[i - sb] - e[i - sa - sb]);
-      q[i] = mu * (low + hb[i] * (high - low)) * ((ua[i] - ua[i - sb]) * ib[i] + (ub[i] - ub[i - sa]) * ia[i]);
+      q[i] = mu.on_edge(m + i, sa, sb, ha[i], hb[i]) * (low + hb[i] * (high - low)) *
+             ((ua[i] - ua[i - sb]) * ib[i] + (ub[i] - ub[i - sa]) * ia[i]);
     }
   }
 }
@@ -95,8 +115,9 @@ inline void ViscousTerm::add_stress(int k, Array3<double>& out) const {
   }
 }
 
-TWOGRID_VECTORISED void ViscousTerm::add(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
-                                         FaceField<FineGrid>& out) {
+template <class Mu>
+inline void ViscousTerm::add_with(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
+                                  FaceField<FineGrid>& out) {
   if (own_.empty()) return;
   const bool x = solved_[0], y = solved_[1], z = solved_[2];
   auto shear_at = [&](int k, Slab& yz, Slab& xz) {
@@ -119,7 +140,27 @@ TWOGRID_VECTORISED void ViscousTerm::add(double mu, const CellField<FineGrid>& e
   }
 }
 
-void ViscousTerm::diagonal(double mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const {
+TWOGRID_VECTORISED void ViscousTerm::add_uniform(double mu, const CellField<FineGrid>& eps,
+                                                 const FaceField<FineGrid>& u, FaceField<FineGrid>& out) {
+  add_with(Uniform{mu}, eps, u, out);
+}
+
+TWOGRID_VECTORISED void ViscousTerm::add_varying(const CellField<FineGrid>& mu, const CellField<FineGrid>& eps,
+                                                 const FaceField<FineGrid>& u, FaceField<FineGrid>& out) {
+  add_with(Varying{mu.data()}, eps, u, out);
+}
+
+void ViscousTerm::add(const Property& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
+                      FaceField<FineGrid>& out) {
+  if (mu.varies())
+    add_varying(mu.field(), eps, u, out);
+  else
+    add_uniform(mu.number, eps, u, out);
+}
+
+template <class Mu>
+inline void ViscousTerm::diagonal_with(const Mu& mu, const CellField<FineGrid>& eps,
+                                       FaceField<FineGrid>& diagonal) const {
   if (own_.empty()) return;
   const std::array<std::ptrdiff_t, 3> s{eps.stride(0), eps.stride(1), eps.stride(2)};
   for (int c = 0; c < 3; ++c)
@@ -130,8 +171,15 @@ void ViscousTerm::diagonal(double mu, const CellField<FineGrid>& eps, FaceField<
       double sum = 4.0 / 3.0 * (1 / axis_[c].width(x[c] - 1) + 1 / axis_[c].width(x[c])) / axis_[c].face_width(x[c]);
       for (int d : {(c + 1) % 3, (c + 2) % 3})
         sum += (1 / axis_[d].face_width(x[d]) + 1 / axis_[d].face_width(x[d] + 1)) / axis_[d].width(x[d]);
-      diagonal[c].data()[m] = mu * mean * sum * measures_.volume(c, i, j, k);
+      diagonal[c].data()[m] = mu.on_face(m, s[c]) * mean * sum * measures_.volume(c, i, j, k);
     });
+}
+
+void ViscousTerm::diagonal(const Property& mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const {
+  if (mu.varies())
+    diagonal_with(Varying{mu.field().data()}, eps, diagonal);
+  else
+    diagonal_with(Uniform{mu.number}, eps, diagonal);
 }
 
 }  // namespace twogrid

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cfd/grid/field.h"
+#include "cfd/grid/property.h"
 #include "cfd/measures/grid_measures.h"
 
 namespace twogrid {
@@ -17,15 +18,27 @@ class ViscousTerm {
               const std::array<bool, 3>& solved);
 
   /// out += integral of div(eps tau), tau = mu (grad u + grad u^T - 2/3 div u I), N.
-  void add(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
+  /// Where mu varies it is, on edges, the harmonic mean of the four cells by volume: the stress is then right at a jump
+  /// across cells, as conductors in series are. eps and mu on the same box, halo and ghosts filled.
+  void add(const Property& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
   /// Diagonal of -add(), approximately (for Jacobi), N s/m.
-  void diagonal(double mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
+  void diagonal(const Property& mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
 
  private:
   using Slab = std::vector<double>;
-  void normal_stresses(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k);
-  template <int t>
-  void shear_stress(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k, Slab& out) const;
+  struct Uniform;
+  struct Varying;
+  void add_uniform(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
+  void add_varying(const CellField<FineGrid>& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
+                   FaceField<FineGrid>& out);
+  template <class Mu>
+  void add_with(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
+  template <class Mu>
+  void diagonal_with(const Mu& mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
+  template <class Mu>
+  void normal_stresses(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k);
+  template <int t, class Mu>
+  void shear_stress(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k, Slab& out) const;
   template <int c>
   void add_stress(int k, Array3<double>& out) const;
 
