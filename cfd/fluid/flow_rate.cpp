@@ -35,7 +35,7 @@ void FlowRate::hold(FluidState& state, const Interphase& exchange, const FaceFie
     for_each(domain_.faces[d], [&](int i, int j, int k) {
       const std::ptrdiff_t m = state.p.index(i, j, k);
       const Int3 x{i, j, k};
-      const double w = domain_.measures.axis(d).face_width(x[d]), A = domain_.grid.area(d, i, j, k);
+      const double w = domain_.measures.axis(d).face_width(x[d]), A = domain_.measures.area(d, i, j, k);
       const double answer =
           g.data()[m] * (w + state.response.data()[m] - state.response.data()[m - s]);  // m3/s per Pa/m
       mean[0] += state.eps_f[d].data()[m] * u_next[d].data()[m] * A * w;
@@ -53,7 +53,7 @@ void FlowRate::hold(FluidState& state, const Interphase& exchange, const FaceFie
         const double drop = state.response.data()[m] - state.response.data()[m - sc] +
                             (c == d ? domain_.measures.axis(d).face_width(x[d]) : 0.0);
         u_next[c].data()[m] -=
-            change * conductance[c].data()[m] / (state.eps_f[c].data()[m] * domain_.grid.area(c, i, j, k)) * drop;
+            change * conductance[c].data()[m] / (state.eps_f[c].data()[m] * domain_.measures.area(c, i, j, k)) * drop;
       });
     }
     for_each(domain_.own, [&](int i, int j, int k) { state.phi(i, j, k) += change * state.response(i, j, k); });

@@ -65,7 +65,7 @@ void Monitors::measure(const FluidState& state, double inlet_head, double share,
       continue;  // nothing passes a wall
     domain_.boundaries.for_each_face(side, [&](int, int i, int j, int k) {
       const int d = direction(side);
-      const double A = domain_.grid.area(d, i, j, k),
+      const double A = domain_.measures.area(d, i, j, k),
                    flow = (is_high(side) ? -1 : 1) * (state.eps_f[d](i, j, k) * state.u[d](i, j, k)) * A;
       Int3 in{i, j, k};
       if (is_high(side)) --in[d];

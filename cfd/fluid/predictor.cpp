@@ -55,7 +55,8 @@ void Predictor::measure_inlet_head(const FluidState& state, const FaceField<Fine
       if (is_high(side)) --in[d];
       inlet_head_ +=
           convection_.convected_through(d, in[0], in[1], in[2], rho, state.eps_f, u_tilde, settings_.convection) -
-          rho * (state.eps_f[d](i, j, k) * u_tilde[d](i, j, k)) * u_tilde[d](i, j, k) * domain_.grid.area(d, i, j, k);
+          rho * (state.eps_f[d](i, j, k) * u_tilde[d](i, j, k)) * u_tilde[d](i, j, k) *
+              domain_.measures.area(d, i, j, k);
     });
   }
 }

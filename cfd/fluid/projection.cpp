@@ -64,8 +64,7 @@ TWOGRID_VECTORISED void Projection::missing_continuity(const FluidState& state, 
   double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
   std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
   for_each_row(domain_.own, state.p, [&](const Int3& q, std::ptrdiff_t m) {
-    const double* wx = &domain_.measures.axis(0).width_[q[0] - domain_.measures.axis(0).lo];
-    const double wy = domain_.measures.axis(1).width(q[1]), wz = domain_.measures.axis(2).width(q[2]);
+    const CellRowMeasure row(domain_.measures, q);
     double* __restrict b = imbalance_.data() + imbalance_.index(q[0], q[1], q[2]);
     const double *ex = state.eps_f[0].data() + m, *ey = state.eps_f[1].data() + m, *ez = state.eps_f[2].data() + m;
     const double *ux = u_next[0].data() + m, *uy = u_next[1].data() + m, *uz = u_next[2].data() + m;
@@ -76,8 +75,8 @@ TWOGRID_VECTORISED void Projection::missing_continuity(const FluidState& state, 
       const double y0 = ey[i] * uy[i], y1 = ey[i + sy] * uy[i + sy];
       const double z0 = ez[i] * uz[i], z1 = ez[i + sz] * uz[i + sz];
       const double void_fraction_rate = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i];
-      b[i] = (x1 - x0) * (wy * wz) + (y1 - y0) * (wz * wx[i]) + (z1 - z0) * (wx[i] * wy) +
-             void_fraction_rate * (wx[i] * wy * wz);
+      b[i] = (x1 - x0) * row.area_x(i) + (y1 - y0) * row.area_y(i) + (z1 - z0) * row.area_z(i) +
+             void_fraction_rate * row.volume(i);
       total[i] += b[i];
       const double x = std::max(std::abs(x0), std::abs(x1)), y = std::max(std::abs(y0), std::abs(y1)),
                    z = std::max(std::abs(z0), std::abs(z1));
@@ -103,8 +102,9 @@ int Projection::project(FluidState& state, const Step& step, const Inertia& iner
   if (!domain_.boundaries.open()) {
     // A closed or periodic domain: what is left over is the round-off of the solid volume's conservation.
     state.rate.excess = whole / total_volume;
-    for_each(domain_.own,
-             [&](int i, int j, int k) { imbalance_(i, j, k) -= state.rate.excess * domain_.grid.volume(i, j, k); });
+    for_each(domain_.own, [&](int i, int j, int k) {
+      imbalance_(i, j, k) -= state.rate.excess * domain_.measures.cell_volume(i, j, k);
+    });
   }
   if (step.implicit_viscosity) divergence_ = imbalance_;
   pressure_solver_->set_operator(conductance, !domain_.boundaries.open());
@@ -172,7 +172,7 @@ void Projection::correct(FluidState& state, const FaceField<FineGrid>& conductan
 void Projection::rotate_pressure(const Property& mu, FluidState& state) const {
   const auto lower = [&](const auto& mu_of) {
     for_each(domain_.own, [&](int i, int j, int k) {
-      state.p(i, j, k) -= 4.0 / 3.0 * mu_of(i, j, k) * divergence_(i, j, k) / domain_.grid.volume(i, j, k);
+      state.p(i, j, k) -= 4.0 / 3.0 * mu_of(i, j, k) * divergence_(i, j, k) / domain_.measures.cell_volume(i, j, k);
     });
   };
   if (mu.varies())

@@ -29,6 +29,13 @@ class GridMeasures {
   GridMeasures(const FineGrid& grid, const Box& own, const Box& local);
 
   const AxisMeasure& axis(int d) const { return axis_[d]; }
+  /// Area of face (i,j,k) normal to d, m2; volume of cell (i,j,k), m3.
+  double area(int d, int i, int j, int k) const {
+    const Int3 q{i, j, k};
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    return axis_[e].width(q[e]) * axis_[f].width(q[f]);
+  }
+  double cell_volume(int i, int j, int k) const { return axis_[0].width(i) * axis_[1].width(j) * axis_[2].width(k); }
   /// Volume of face (i,j,k) normal to c, m3.
   double volume(int c, int i, int j, int k) const {
     const Int3 q{i, j, k};

@@ -21,7 +21,7 @@ inline AlongRow<dir == 0> along_row(const std::vector<double>& a, int i) {
   return {&a[i]};
 }
 
-/// Measures of a row of faces normal to d, or of the cells above them, from (i,j,k) on.
+/// Measures of a row of faces normal to d from (i,j,k) on.
 template <int d>
 struct RowMeasure {
   static constexpr int e = (d + 1) % 3, f = (d + 2) % 3;
@@ -37,6 +37,19 @@ struct RowMeasure {
         wf(along_row<f>(m.axis(f).width_, x[f] - m.axis(f).lo)) {}
   double area(int t) const { return we[t] * wf[t]; }
   double volume(int t) const { return (below[t] + above[t]) * we[t] * wf[t]; }
+};
+
+/// Measures of a row of cells from (i,j,k) on: areas of their faces, volume.
+struct CellRowMeasure {
+  const double* wx;
+  double wy, wz;
+
+  CellRowMeasure(const GridMeasures& m, const Int3& x)
+      : wx(&m.axis(0).width_[x[0] - m.axis(0).lo]), wy(m.axis(1).width(x[1])), wz(m.axis(2).width(x[2])) {}
+  double area_x(int) const { return wy * wz; }
+  double area_y(int t) const { return wz * wx[t]; }
+  double area_z(int t) const { return wx[t] * wy; }
+  double volume(int t) const { return wx[t] * wy * wz; }
 };
 
 /// Calls f(first index of the row, its memory index in `like`) for each row of the box.
