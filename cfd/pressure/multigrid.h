@@ -24,9 +24,11 @@
 #include "cfd/grid/box.h"
 #include "cfd/grid/grid.h"
 #include "cfd/grid/layout.h"
-#include "cfd/parallel/seven_point_halo.h"
 
 namespace twogrid {
+
+template <class T>
+struct MultigridLevel;
 
 template <class T>
 class Multigrid {
@@ -35,14 +37,8 @@ class Multigrid {
   static constexpr double kStretch = 1.7;
   /// A level has at most about this share of the cells of the finer one.
   static constexpr double kShrink = 0.8;
-  /// Inside a pair, a conductance counts as at least this share of the outer face's: where the pair is cut in two
-  /// (contrast, an obstacle) the coarse grid stays connected.
-  static constexpr double kLeastInner = 0.1;
-  /// A cell's interpolation weights from coarse cells beside its own, summed over the directions, are at most this.
-  static constexpr double kMostOuter = 1;
   /// A level of at most so many cells on all ranks is solved directly.
   static constexpr int kDirect = 100;
-
   /// A level of at most so many cells on all of several ranks is gathered on each of them.
   static constexpr int kGather = 1000;
 
@@ -68,7 +64,7 @@ class Multigrid {
   int levels() const;
 
  private:
-  struct Level;
+  using Level = MultigridLevel<T>;
   class Coarsest;
   class Gathered;
   void cycle(std::size_t l);
