@@ -140,7 +140,7 @@ static double short_at_bed_end(const Settings& s, const FineGrid& grid, const Sc
     if (d != along) section *= grid.axis[d].length();
   *height = double(facts.particles) * M_PI / 6 * facts.d_mean * facts.d_mean * facts.d_mean / (0.6 * section);
   const double D = grid.axis[along].length() / s.fine[along] * s.ratio[along];
-  return (s.deposit == Deposit::kTrilinear ? 0.41 : 0.29) * D / *height;
+  return (s.deposit == Deposit::kTrilinear ? 0.40 : 0.27) * D / *height;
 }
 
 std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid, const SceneFacts& facts,
