@@ -84,7 +84,8 @@ region right block {width + cell!r} {width + 3 * cell!r} INF INF INF INF units b
 group left region left
 group right region right
 fix gas all twogrid fine 16 4 4 ratio 2 2 2 density {rho} viscosity {mu} every 10
-fix_modify gas drag {law} formulation {formulation} dt {step!r}
+# Read cell: what is read between cells reaches into the border cell.
+fix_modify gas method paper drag {law} formulation {formulation} dt {step!r}
 fix_modify gas flow_rate z {U}
 compute left left reduce ave f_gas[10]
 compute right right reduce ave f_gas[10]
