@@ -1,10 +1,11 @@
 #!/bin/sh
 # Installs what twogrid needs and this machine lacks, with apt. Does nothing, and needs no rights, when all is there.
+# Words after the command are further packages.
 set -eu
 
 packages="g++ cmake ninja-build pkg-config git
   libliggghts-dev libpetsc-real-dev openmpi-bin libopenmpi-dev libhdf5-openmpi-dev libeigen3-dev libgtest-dev libbenchmark-dev
-  python3 python3-numpy python3-h5py python3-matplotlib"
+  python3 python3-numpy python3-h5py python3-matplotlib $*"
 
 missing=
 for p in $packages; do

@@ -71,6 +71,7 @@ inline void ConvectionTerm::side_row(const Convected& a, int i, int j, int k, in
   constexpr int e = c == d ? (c + 1) % 3 : 3 - c - d, f = (c + 2) % 3;  // transverse directions
   const Int3 x{i, j, k};
   const std::ptrdiff_t m = a.u[c].index(i, j, k), sc = a.u[c].stride(c), s = a.u[c].stride(d);
+  // cppcheck-suppress negativeContainerIndex ; the other branch is taken where c is d
   const AxisMeasure &ac = axis_[c], &ad = axis_[d], &ae = axis_[e], &af = axis_[f];
   const double *v = a.u[c].data() + m, *eps = a.eps_f[d].data() + m, *through = a.u[d].data() + m;
   const auto F = [eps, through](std::ptrdiff_t t) { return eps[t] * through[t]; };
@@ -100,7 +101,8 @@ inline void ConvectionTerm::side_row(const Convected& a, int i, int j, int k, in
   }
   if constexpr (c == d) {
     const int o = x[c] - 1 - ac.lo;  // the cell between the two faces
-    const auto wf = along_row<f>(af.width_, x[f] - af.lo), dist = along_row<c>(ac.width_, o);
+    const auto wf = along_row<f>(af.width_, x[f] - af.lo);
+    const auto dist = along_row<c>(ac.width_, o);
     const auto below = along_row<c>(ac.inverse_width_, o - 1), inverse = along_row<c>(ac.inverse_width_, o),
                above = along_row<c>(ac.inverse_width_, o + 1);
     for (int t = begin; t < end; ++t) {

@@ -72,9 +72,10 @@ inline void ViscousTerm::shear_stress(const Mu& mu, const CellField<FineGrid>& e
   for (int j = own_.lo[1]; j < own_.hi[1] + around; ++j) {
     const std::ptrdiff_t m = eps.index(own_.lo[0], j, k);
     const Int3 x{own_.lo[0], j, k};
-    const auto ha = along_row<a>(aa.above_share_, x[a] - aa.lo), hb = along_row<b>(ab.above_share_, x[b] - ab.lo);
-    const auto ia = along_row<a>(aa.inverse_face_width_, x[a] - aa.lo),
-               ib = along_row<b>(ab.inverse_face_width_, x[b] - ab.lo);
+    const auto ha = along_row<a>(aa.above_share_, x[a] - aa.lo);
+    const auto hb = along_row<b>(ab.above_share_, x[b] - ab.lo);
+    const auto ia = along_row<a>(aa.inverse_face_width_, x[a] - aa.lo);
+    const auto ib = along_row<b>(ab.inverse_face_width_, x[b] - ab.lo);
     const double *e = eps.data() + m, *ua = u[a].data() + m, *ub = u[b].data() + m;
     double* __restrict q = out.data() + (m - slab);
     for (int i = 0; i < n; ++i) {
@@ -97,8 +98,8 @@ inline void ViscousTerm::add_stress(int k, Array3<double>& out) const {
   for (int j = r.lo[1]; j < r.hi[1]; ++j) {
     const std::ptrdiff_t m = out.index(r.lo[0], j, k), q = m - slab;
     const Int3 x{r.lo[0], j, k};
-    const auto wa = along_row<a>(axis_[a].width_, x[a] - axis_[a].lo),
-               wb = along_row<b>(axis_[b].width_, x[b] - axis_[b].lo);
+    const auto wa = along_row<a>(axis_[a].width_, x[a] - axis_[a].lo);
+    const auto wb = along_row<b>(axis_[b].width_, x[b] - axis_[b].lo);
     const auto below = along_row<c>(axis_[c].half_below_, x[c] - axis_[c].lo),
                above = along_row<c>(axis_[c].half_above_, x[c] - axis_[c].lo);
     const double *nn = normal_[c].data() + q, *ca = shear_[b].data() + q, *cb = shear_[a].data() + q;

@@ -186,9 +186,7 @@ double syamlal_obrien(double eps, double Re, double) {
 /// digit. (Between two groups stands a barrier: else the compiler takes several at once, and those left over
 /// otherwise.) Here eight numbers at once pay: logarithms and exponentials are most of the work.
 template <double (*F)(double, double, double)>
-__attribute__((target_clones("avx512f", "avx2", "default"), flatten)) void F_of(int n, const double* eps,
-                                                                                const double* Re, const double* y,
-                                                                                double* out) {
+TWOGRID_VECTORISED_WIDE void F_of(int n, const double* eps, const double* Re, const double* y, double* out) {
   for (int first = 0; first < n; first += kDragBatch) {
 #pragma GCC ivdep
 #pragma GCC unroll 1

@@ -73,7 +73,7 @@ class MeanMotion {
   Box own_;
   Spread spread_;
   Window window_;
-  Stencil stencil_;
+  Stencil stencil_{};
   std::vector<double> weights_;  // scratch
   std::array<bool, 3> free_flux_;
   double domain_volume_;

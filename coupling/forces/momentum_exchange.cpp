@@ -89,7 +89,7 @@ void MomentumExchange::complete_drag(const Particles& p, const std::vector<int>&
   const std::array<FixedPoint, 2> scale{FixedPoint(all[0], terms), FixedPoint(all[1], terms)};
   reader_.clear_reaction();
   reader_.at_places(p, who, places, [&](std::size_t q, const auto& place) {
-    Four whole;
+    Four whole{0, 0, 0, 0};
     for (int c = 0; c < 4; ++c) whole[c] = scale[c < 3 ? 0 : 1].whole(deviations_[q].at[c]);
     reader_.react(place, whole);
   });

@@ -21,7 +21,8 @@ auto numbers(const ContactLaw& l) {
 ContactSettings read_contact_settings(const std::vector<std::string>& words) {
   ContactSettings s;
   for (std::size_t w = 0; w < words.size(); w += 2) {
-    const std::string name = words[w], value = w + 1 < words.size() ? words[w + 1] : "";
+    const std::string& name = words[w];
+    const std::string value = w + 1 < words.size() ? words[w + 1] : "";
     const bool on = value == "on";
     if (name == "absolute_damping")
       s.absolute_damping = on;
