@@ -4,8 +4,9 @@
 /// Before a function of such loops: it exists for AVX2 and for any x86-64, and the running processor chooses. All that
 /// it calls is inlined into it. Products and sums stay apart (-ffp-contract=off), so that both give the same bits.
 /// Loops over more arrays than the compiler would check for overlap carry #pragma GCC ivdep: theirs are all distinct.
-/// TWOGRID_VECTORISED_WIDE: for AVX-512 too. Clang does not join the two attributes: there, what the command line says.
-#if defined(__clang__)
+/// TWOGRID_VECTORISED_WIDE: for AVX-512 too. Clang does not join the two attributes; under the address sanitizer a file of
+/// such functions takes minutes to compile: there, what the command line says.
+#if defined(__clang__) || defined(__SANITIZE_ADDRESS__)
 #define TWOGRID_VECTORISED
 #define TWOGRID_VECTORISED_WIDE
 #else
