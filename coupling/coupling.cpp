@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cfd/parallel/reduction.h"
+#include "coupling/control/between_runs.h"
 #include "coupling/control/coupling_error.h"
 #include "coupling/control/stopwatch.h"
 #include "coupling/forces/drag.h"
@@ -38,14 +39,6 @@ constexpr double kFollow = 0.2;
 const DragLaw& drag_law_of(const Settings& s) {
   check(s);
   return *find_drag_law(s.drag);
-}
-
-/// Smallest mean width of a cell, directions of one cell left out (m).
-double narrowest(const ParticleGrid& grid) {
-  double width = 1e300;
-  for (const Axis& a : grid.axis)
-    if (a.n() > 1) width = std::min(width, a.length() / a.n());
-  return width;
 }
 
 }  // namespace
@@ -121,8 +114,8 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
       void_fraction_(state_, comm, settings, fluid, nodes_, region),
       reader_(comm, fluid, reads_fine_cells(settings.read) ? ParticleGrid(fluid.grid(), {1, 1, 1}) : nodes_, region,
               settings.read, read_width(settings)),
-      read_length_(read_width(settings) > 0 ? read_width(settings) : narrowest(reader_.map().grid())),
-      cell_width_(narrowest(nodes_)),
+      read_length_(read_width(settings) > 0 ? read_width(settings) : reader_.map().grid().smallest_width()),
+      cell_width_(nodes_.smallest_width()),
       selection_(comm, nodes_, reader_.window(), region),
       exchange_(comm, fluid, reader_, read_length_) {
   if (formulation_A()) {
@@ -386,26 +379,13 @@ void Coupling::Impl::rest(Particles& p) {
   select(p);
   void_fraction_.rest(p, selection_);
   if (p.growing) state_.grown += growth(p, selection_);
-  for (int i = 0; i < p.n; ++i) {
-    double* s = p.state[i];
-    if (!p.takes_part(i) || s[kKnown] == 0) continue;
-    for (int d = 0; d < 3; ++d) s[kPosition + d] -= p.x[i][d];
-    s[kRestMass] = p.mass[i], s[kRestRadius] = p.radius[i];
-  }
+  note_columns(p);
 }
 
 /// What differs from rest() has been changed by commands.
 void Coupling::Impl::go_on(Particles& p) {
   state_.change.resting = false;
-  for (int i = 0; i < p.n; ++i) {
-    double* s = p.state[i];
-    if (!p.takes_part(i) || s[kKnown] == 0) continue;
-    for (int d = 0; d < 3; ++d) s[kPosition + d] += p.x[i][d];
-    if (p.mass[i] != s[kRestMass]) forces_.renew_decay(p, i);
-    if (p.radius[i] != s[kRestRadius] && s[kVoidFraction] != 0)
-      state_.grown += sphere_volume(p.radius[i]) - sphere_volume(s[kRestRadius]);
-    s[kRestRadius] = p.radius[i];
-  }
+  state_.grown += take_up_columns(p, forces_);
   select(p);
   void_fraction_.go_on(p, selection_);
 }

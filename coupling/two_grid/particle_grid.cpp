@@ -1,5 +1,6 @@
 #include "coupling/two_grid/particle_grid.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -27,6 +28,13 @@ double ParticleGrid::largest_volume() const {
     v *= width;
   }
   return v;
+}
+
+double ParticleGrid::smallest_width() const {
+  double width = 1e300;
+  for (const Axis& a : axis)
+    if (a.n() > 1) width = std::min(width, a.length() / a.n());
+  return width;
 }
 
 Layout node_layout(const Layout& fine, const ParticleGrid& nodes) {

@@ -20,6 +20,7 @@ struct ParticleGrid : Grid {
     return {{i * ratio[0], j * ratio[1], k * ratio[2]}, {(i + 1) * ratio[0], (j + 1) * ratio[1], (k + 1) * ratio[2]}};
   }
   double largest_volume() const;  ///< of a node (m3)
+  double smallest_width() const;  ///< mean width of a node, directions of one node left out (m)
 };
 
 /// The bricks of the fluid's layout in nodes. Throws std::invalid_argument when a cut splits a node.
