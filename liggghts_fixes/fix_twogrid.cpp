@@ -6,8 +6,6 @@
 #include <error.h>
 #include <fix_property_atom.h>
 #include <force.h>
-#include <group.h>
-#include <input.h>
 #include <integrate.h>
 #include <lammps.h>
 #include <memory.h>
@@ -15,26 +13,25 @@
 #include <neighbor.h>
 #include <output.h>
 #include <pair.h>
-#include <region.h>
 #include <signal_handling.h>
-#include <sys/stat.h>
-#include <unistd.h>
-#include <universe.h>
 #include <update.h>
-#include <variable.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <fstream>
 #include <iterator>
 #include <stdexcept>
 
-#include "coupling/two_grid/fluid_layout.h"
 #include "liggghts_fixes/contacts/pair_switch.h"
+#include "liggghts_fixes/liggghts/box.h"
+#include "liggghts_fixes/liggghts/particle_columns.h"
+#include "liggghts_fixes/liggghts/restart_file.h"
+#include "liggghts_fixes/liggghts/run_record.h"
 #include "liggghts_fixes/liggghts/scene_facts.h"
+#include "liggghts_fixes/liggghts/unsupported.h"
+#include "liggghts_fixes/liggghts/watchers.h"
 #include "liggghts_fixes/report/memory_need.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/run/petsc_session.h"
@@ -63,42 +60,6 @@ Shares operator-(const Shares& a, const Shares& b) {
   return {a.deposit - b.deposit, a.map - b.map, a.fluid - b.fluid, a.output - b.output, a.force - b.force};
 }
 
-/// What Modify keeps of a restart file's fixes.
-struct Restarted : Modify {
-  static char** ids(Modify& m) { return m.*&Restarted::id_restart_global; }
-  static char** states(Modify& m) { return m.*&Restarted::state_restart_global; }
-};
-
-/// Values a particle of the fix property/atom of this id in the restart file that was read; -1: it holds none.
-int values_in_restart(Modify& modify, const std::string& id) {
-  for (int i = 0; i < modify.nfix_restart_global; ++i)
-    if (id == Restarted::ids(modify)[i]) {
-      double values = 0;  // the first of its global state
-      std::memcpy(&values, Restarted::states(modify)[i], sizeof values);
-      return int(values);
-    }
-  return -1;
-}
-
-/// The ID of a fix twogrid whose state the restart file that was read holds; empty: of none.
-std::string id_in_restart(Modify& modify) {
-  const std::string end = "_state";
-  for (int i = 0; i < modify.nfix_restart_global; ++i) {
-    const std::string id = Restarted::ids(modify)[i];
-    if (id.size() <= end.size() || id.substr(id.size() - end.size()) != end) continue;
-    std::string owner = id.substr(0, id.size() - end.size());
-    if (values_in_restart(modify, owner + "_step") >= 0) return owner;
-  }
-  return "";
-}
-
-std::string command_line_text() {
-  std::ifstream in("/proc/self/cmdline");
-  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  std::replace(text.begin(), text.end(), '\0', ' ');
-  return text;
-}
-
 }  // namespace
 
 template <class F>
@@ -111,13 +72,13 @@ auto FixTwogrid::guarded(F&& f) -> decltype(f()) {
   }
 }
 
-FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg, arg) {
+FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg, arg), names_(*lammps, script_, id) {
   guarded([&] {
     script_ = parse_fix(id, std::vector<std::string>(arg + 3, arg + narg));
-    refuse_what_cannot_be_served();
+    refuse_unsupported(*lmp, id, kStyle);
     check_memory(world, script_.settings, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells());
     Script early = script_;  // what the box alone already rules out
-    complete(early, box_facts());
+    complete(early, box_facts(*lmp));
   });
   vector_flag = 1;
   size_vector = kVectorSize;
@@ -141,74 +102,16 @@ int FixTwogrid::setmask() {
          FixConst::END_OF_STEP;
 }
 
-void FixTwogrid::refuse_what_cannot_be_served() const {
-  if (std::string(update->unit_style) != "si") refuse("units", update->unit_style, "units si");
-  if (domain->dimension != 3)
-    refuse("dimension", std::to_string(domain->dimension), "dimension 3 (one fine cell in the thin direction)");
-  if (domain->triclinic) refuse("box", "a tilted one", "an orthogonal box");
-  if (std::strcmp(update->integrate_style, "verlet") != 0)
-    refuse("run_style", update->integrate_style, "verlet: the fluid is coupled to steps of one length");
-  check_box_boundary(domain->boundary);
-  if (!atom->radius_flag || !atom->rmass_flag)
-    refuse("atom_style", "one without radius and mass", "atom_style granular (or sphere)");
-  for (int f = 0; f < modify->nfix; ++f) {
-    if (!modify->fix[f]) continue;  // the place of this very fix, when it replaces one of its id
-    const std::string other = modify->fix[f]->style;
-    if (modify->fix[f]->box_change_size || modify->fix[f]->box_change_shape)
-      refuse("box", "fix " + std::string(modify->fix[f]->id) + " (" + other + "), which changes it during a run",
-             "a box that stays as it is: the fluid's grid lies in it (unfix " + std::string(modify->fix[f]->id) + ")");
-    if (other.rfind("multisphere", 0) == 0 || other == "concave" || other.rfind("rigid", 0) == 0)
-      refuse("group", "bodies of several spheres (fix " + other + ")",
-             "single spheres: drag on bodies is not modelled");
-    for (const char* fluid : {"buoyancy", "couple/cfd", "lb/coupling"})
-      if (other.rfind(fluid, 0) == 0)
-        refuse("fix", "fix " + std::string(modify->fix[f]->id) + " " + other,
-               "none beside fix twogrid: it has the fluid's forces, buoyancy in every fix gravity included, and they "
-               "would "
-               "count twice");
-    if (other == kStyle && std::string(modify->fix[f]->id) != id)
-      refuse("fix", "a second fix twogrid beside " + std::string(modify->fix[f]->id), "one");
-  }
-}
-
-BoxFacts FixTwogrid::box_facts() const {
-  BoxFacts box;
-  for (int d = 0; d < 3; ++d) {
-    box.bounds[2 * d] = domain->boxlo[d];
-    box.bounds[2 * d + 1] = domain->boxhi[d];
-    box.periodic[d] = domain->periodicity[d] != 0;
-  }
-  return box;
-}
-
-/// A fix property/atom "ID_name" of so many values a particle, all zero at first. A restart file's are taken over.
-FixPropertyAtom* FixTwogrid::keep_with_particles(const std::string& what, int columns) {
-  const std::string name = std::string(id) + "_" + what;
-  guarded([&] {
-    const int kept = values_in_restart(*modify, name);
-    if (kept >= 0 && kept != columns)
-      throw std::invalid_argument("the restart file holds " + std::to_string(kept) +
-                                  " values a particle for this fix, wanted " + std::to_string(columns) +
-                                  ": another version of twogrid has written it; give the fix another ID, and what it "
-                                  "knows of the particles begins anew");
-  });
-  std::vector<std::string> words{name, "all", "property/atom", name, "vector", "yes", "no", "no"};
-  words.insert(words.end(), columns, "0.");
-  std::vector<char*> pointers;
-  for (std::string& w : words) pointers.push_back(w.data());
-  // LIGGGHTS warns of vectors longer than 20 by a text that is of no use to anyone here.
-  FILE *const shown = screen, *const logged = logfile;
-  screen = logfile = nullptr;
-  FixPropertyAtom* const made = modify->add_fix_property_atom(int(pointers.size()), pointers.data(), style);
-  screen = shown, logfile = logged;
-  return made;
-}
-
 void FixTwogrid::post_create() {
   if (state_) return;
-  id_in_restart_ = id_in_restart(*modify);
-  state_ = keep_with_particles("state", kParticleColumns);
-  step_ = keep_with_particles("step", kStepColumns);
+  id_in_restart_ = id_in_restart(*lmp);
+  const std::string name = id;
+  guarded([&] {
+    check_columns_in_restart(*lmp, name + "_state", kParticleColumns);
+    check_columns_in_restart(*lmp, name + "_step", kStepColumns);
+  });
+  state_ = keep_with_particles(*lmp, name + "_state", kParticleColumns);
+  step_ = keep_with_particles(*lmp, name + "_step", kStepColumns);
   // This fix's grow_arrays has to be called after the state's, so that it finds the new array.
   int* const grow = atom->extra_grow;
   int* const own = std::find(grow, grow + atom->nextra_grow, modify->find_fix(id));
@@ -249,119 +152,6 @@ int FixTwogrid::modify_param(int narg, char** arg) {
   return narg;
 }
 
-double FixTwogrid::equal_style(const std::string& variable, const std::string& keyword) const {
-  std::string name = variable;
-  const int v = input->variable->find(name.data());
-  if (v < 0) refuse(keyword, "v_" + variable + ", and no variable of that name", "an equal-style variable");
-  if (!input->variable->equalstyle(v))
-    refuse(keyword, "v_" + variable + ", which is not equal-style", "an equal-style variable");
-  // LIGGGHTS' list of computes that a variable may ask for exists only once a run has been set up.
-  if (!started_) return input->variable->compute_equal(v);
-  modify->clearstep_compute();
-  const double value = input->variable->compute_equal(v);
-  modify->addstep_compute(update->ntimestep + script_.settings.every);
-  return value;
-}
-
-Vec3 FixTwogrid::velocity_now(int side, std::size_t condition) const {
-  const ScriptedVelocity& v = script_.names[side][condition].velocity;
-  Vec3 u = v.number;
-  for (int d = 0; d < 3; ++d) {
-    if (v.variable[d].empty()) continue;
-    const std::string& patch = script_.settings.fluid.side[side][condition].name;
-    const std::string keyword = "boundary " + std::string(kSideNames[side]) + (patch.empty() ? "" : " patch " + patch);
-    u[d] = equal_style(v.variable[d], keyword);
-    if (!std::isfinite(u[d]))
-      refuse(keyword, "v_" + v.variable[d] + " = " + text(u[d]),
-             "a variable with a finite velocity (m/s) at all times");
-  }
-  return u;
-}
-
-/// Variables and regions, by name in the script, become functions in the settings.
-void FixTwogrid::resolve_names() {
-  for (int side = 0; side < 6; ++side)
-    for (std::size_t c = 0; c < script_.names[side].size(); ++c) {
-      BoundaryCondition& condition = script_.settings.fluid.side[side][c];
-      const ConditionNames& names = script_.names[side][c];
-      condition.velocity = velocity_now(side, c);
-      if (!names.velocity.is_constant()) condition.velocity_now = [this, side, c] { return velocity_now(side, c); };
-      if (names.region.empty()) continue;
-      std::string region = names.region;
-      const int r = domain->find_region(region.data());
-      if (r < 0)
-        refuse("boundary " + std::string(kSideNames[side]) + " patch " + condition.name + " region",
-               names.region + ", and no region of that id", "the id of a region");
-      Region* shape = domain->regions[r];
-      condition.shape.inside = [shape](const Vec3& x) { return shape->match(x[0], x[1], x[2]) != 0; };
-    }
-}
-
-/// Patches keep the faces that they had in the fix's first run: a region that has since been made anew must have the
-/// same.
-void FixTwogrid::check_region_faces() {
-  const FineGrid& grid = fluid_->grid();
-  for (int side = 0; side < 6; ++side)
-    for (std::size_t c = 0; c < script_.names[side].size(); ++c) {
-      const BoundaryCondition& condition = script_.settings.fluid.side[side][c];
-      if (!condition.shape.inside) continue;
-      const int d = direction(side), e = d == 0 ? 1 : 0, f = d == 2 ? 1 : 2;
-      std::vector<bool> faces;
-      Vec3 x;
-      x[d] = grid.axis[d].node(is_high(side) ? grid.axis[d].n() : 0);
-      for (int j = 0; j < grid.axis[f].n(); ++j)
-        for (int i = 0; i < grid.axis[e].n(); ++i) {
-          x[e] = grid.axis[e].centre(i), x[f] = grid.axis[f].centre(j);
-          faces.push_back(condition.shape.inside(x));
-        }
-      const auto known = region_faces_.try_emplace({side, c}, faces).first;
-      if (known->second != faces)
-        refuse("boundary " + std::string(kSideNames[side]) + " patch " + condition.name + " region",
-               script_.names[side][c].region + ", which has another shape than in the fix's first run",
-               "the same: a patch keeps its faces ('unfix " + std::string(id) +
-                   "' and the fix again take the new shape; the fluid then begins anew)");
-    }
-}
-
-/// Whether something may look at per-atom values between outputs: any fix that isn't known not to.
-void FixTwogrid::find_watchers() {
-  static const char* const blind[] = {"twogrid",
-                                      "nve/sphere",
-                                      "gravity",
-                                      "wall/gran",
-                                      "freeze",
-                                      "property/",
-                                      "contacthistory",
-                                      "particletemplate/",
-                                      "insert/",
-                                      "contactproperty/",
-                                      "particledistribution/"};
-  watchers_ = false;
-  for (int f = 0; f < modify->nfix; ++f)
-    watchers_ |= std::none_of(std::begin(blind), std::end(blind), [&](const char* style) {
-      return std::strncmp(modify->fix[f]->style, style, std::strlen(style)) == 0;
-    });
-}
-
-/// The fluid's grid was made for a box; it can't follow another.
-void FixTwogrid::check_box() const {
-  const BoxFacts now = box_facts();
-  for (int d = 0; d < 3; ++d) {
-    const std::string side(1, "xyz"[d]);
-    const std::string remedy =
-        ": give change_box before the first run of fix " + std::string(id) + ", or unfix it and define it anew";
-    if (now.periodic[d] != box_.periodic[d])
-      refuse("box",
-             "direction " + side + (now.periodic[d] ? " periodic, which it was not" : " not periodic, which it was") +
-                 " when the fluid's grid was made",
-             "the boundary as it was" + remedy);
-    if (now.bounds[2 * d] != box_.bounds[2 * d] || now.bounds[2 * d + 1] != box_.bounds[2 * d + 1])
-      refuse("box", side + " from " + text(now.bounds[2 * d]) + " to " + text(now.bounds[2 * d + 1]) + " m",
-             text(box_.bounds[2 * d]) + " to " + text(box_.bounds[2 * d + 1]) +
-                 ", for which the fluid's grid was made" + remedy);
-  }
-}
-
 /// Later runs: what has come to be worth a warning since the scene report.
 void FixTwogrid::look_at_scene() {
   std::vector<std::string> now = motion_.warnings;
@@ -380,24 +170,18 @@ void FixTwogrid::look_at_scene() {
 
 void FixTwogrid::init() {
   guarded([&] {
-    refuse_what_cannot_be_served();
-    if (fluid_) check_box();
+    refuse_unsupported(*lmp, id, kStyle);
+    if (fluid_) check_box(*lmp, box_, id);
     motion_ = find_motion(*lmp, *this);
-    find_watchers();
+    watchers_ = any_watchers(*lmp);
     if (!(update->dt > 0)) refuse("timestep", text(update->dt), "a DEM step above 0 (s)");
     if (chosen_skin_ > 0) neighbor->skin = chosen_skin_;  // whatever the script has said since
     if (!fluid_) build();
     coupling_->set_gravity(find_weights(*lmp, false));
     gravity_varies_ = weights_vary(*lmp);
-    resolve_names();
-    for (int side = 0; side < 6; ++side)
-      for (std::size_t c = 0; c < script_.settings.fluid.side[side].size(); ++c) {
-        BoundaryCondition& now = fluid_->settings().side[side][c];
-        now.velocity = script_.settings.fluid.side[side][c].velocity;
-        now.velocity_now = script_.settings.fluid.side[side][c].velocity_now;
-        now.shape.inside = script_.settings.fluid.side[side][c].shape.inside;  // regions may have been made anew
-      }
-    check_region_faces();
+    names_.resolve();
+    names_.renew(fluid_->settings());
+    names_.check_region_faces(fluid_->grid());
     fluid_->settings().check_flow(fluid_->grid());  // inlets may have changed since the last run
     look_at_scene();
   });
@@ -406,24 +190,23 @@ void FixTwogrid::init() {
 void FixTwogrid::build() {
   Settings& s = script_.settings;
   say(check_memory(world, s, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells()));
-  complete(script_, box_facts());
-  resolve_names();
+  complete(script_, box_facts(*lmp));
+  names_.resolve();
   const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));
   s.fluid.check_flow(grid);
   SceneFacts facts = scene_facts(*lmp, groupbit);
   facts.still = motion_.still;
-  if (best_skin_option()) choose_skin(facts);
+  if (best_skin_option()) chosen_skin_ = choose_skin(*lmp, facts);
   if (script_.every_auto) s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
   if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
   accuracy_ = Accuracy(s.accuracy, s.every, script_.every_auto, s.fluid.cfl, !s.cfl_given && s.fluid.dt == 0);
 
-  const Layout layout = fluid_layout(grid);
+  const Layout layout = fluid_layout(*lmp, grid, s.ratio);
   for (int d = 0; d < 3; ++d) facts.fluid_bricks[d] = int(layout.cuts()[d].size()) - 1;
   fluid_ = std::make_unique<FluidSolver>(world, grid, layout, s.fluid);
   fluid_->watch_steps([this](int steps, double share) { watch_fluid_step(steps, share); });
-  Vec3 lo, hi;
-  for (int d = 0; d < 3; ++d) lo[d] = domain->sublo[d], hi[d] = domain->subhi[d];
-  coupling_ = std::make_unique<Coupling>(world, s, *fluid_, lo, hi, reach());
+  const ParticleRegion region = particle_region(*lmp);
+  coupling_ = std::make_unique<Coupling>(world, s, *fluid_, region.lo, region.hi, region.reach);
   watch_ = CouplingWatch(s.bound, s.eps_min);
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();
@@ -437,82 +220,17 @@ void FixTwogrid::build() {
          " knew of the particles, which this fix can't take over: give it that ID, or it begins anew; the fluid starts "
          "from 'initial u' at time 0 in any case");
   said_ = scene_warnings(s, grid, facts, scene_numbers(s, grid, facts));
-  box_ = box_facts();
+  box_ = box_facts(*lmp);
   if (state_->recent_restart)
     warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
-}
-
-/// Before LIGGGHTS sets up its neighbour lists. Meshes have read the skin already.
-void FixTwogrid::choose_skin(SceneFacts& facts) {
-  for (int f = 0; f < modify->nfix; ++f)
-    if (std::string(modify->fix[f]->style).rfind("mesh", 0) == 0) return;
-  const double d = facts.d_mean;
-  // A wide skin may be there for lists that are looked at late.
-  if (!(d > 0) || (facts.skin >= kLeastSkin * d && (facts.skin <= kMostSkin * d || !prompt_lists()))) return;
-  facts.script_skin = facts.skin;
-  facts.skin = chosen_skin_ = 0.5 * (kLeastSkin + kMostSkin) * d;
-  neighbor->skin = chosen_skin_;
-}
-
-/// The fluid's bricks: where LIGGGHTS' are, to the particle cell, or its own (fluid_layout.h).
-Layout FixTwogrid::fluid_layout(const FineGrid& grid) const {
-  const Int3& ratio = script_.settings.ratio;
-  if (const auto given = fluid_bricks_option(comm->nprocs)) return equal_bricks(grid, ratio, *given);
-  const double* split[3] = {comm->xsplit, comm->ysplit, comm->zsplit};
-  std::array<std::vector<double>, 3> borders;
-  std::array<std::vector<int>, 3> cuts;
-  for (int d = 0; d < 3; ++d) {
-    for (int i = 0; i <= comm->procgrid[d]; ++i) borders[d].push_back(domain->boxlo[d] + split[d][i] * domain->prd[d]);
-    const std::vector<double> inner(borders[d].begin() + 1, borders[d].end() - 1);
-    cuts[d] = cuts_near(grid.axis[d], comm->procgrid[d], ratio[d], inner);
-  }
-  const ParticleGrid nodes(grid, ratio);
-  std::vector<Int3> brick_of_rank(comm->nprocs);
-  std::vector<Box> window(comm->nprocs);
-  for (int i = 0; i < comm->procgrid[0]; ++i)
-    for (int j = 0; j < comm->procgrid[1]; ++j)
-      for (int k = 0; k < comm->procgrid[2]; ++k) {
-        const int rank = comm->grid2proc[i][j][k];
-        const Int3 brick = brick_of_rank[rank] = {i, j, k};
-        for (int d = 0; d < 3; ++d) {
-          const Axis& a = nodes.axis[d];
-          window[rank].lo[d] = std::max(a.find(borders[d][brick[d]]) - 1, 0);
-          window[rank].hi[d] = std::min(a.find(borders[d][brick[d] + 1]) + 2, a.n());
-        }
-      }
-  return choose_fluid_layout(grid, ratio, Layout(grid, cuts, brick_of_rank), window);
-}
-
-/// How far outside its rank's box a particle may lie (m): LIGGGHTS exchanges particles when one has moved half a skin.
-/// Where it may look late (neigh_modify delay or every), a whole skin.
-double FixTwogrid::reach() const {
-  return (prompt_lists() ? 0.5 : 1.0) * neighbor->skin;
-}
-
-/// Whether LIGGGHTS looks at every step if its neighbour lists still hold.
-bool FixTwogrid::prompt_lists() const {
-  return neighbor->every == 1 && neighbor->delay == 0 && neighbor->dist_check;
 }
 
 void FixTwogrid::open_output() {
   const OutputSettings& out = script_.settings.output;
   if (out.file.empty() || (out.every <= 0 && out.average_from < 0)) return;
-  Record record;
-  record.input_text = script_text();
-  record.command_line = command_line_text();
-  record.versions = {{"LIGGGHTS", universe->version}, {"PETSc", petsc_version()}};
+  Record record = run_record(*lmp);
   record.settings = settings_texts(script_);
   output_ = std::make_unique<Output>(world, script_.settings, *fluid_, record);
-}
-
-/// The text of the script LIGGGHTS is reading now, without moving its place in it. Rank 0.
-std::string FixTwogrid::script_text() const {
-  struct stat status = {};
-  if (!infile || fstat(fileno(infile), &status) != 0 || !S_ISREG(status.st_mode)) return "(not read from a file)";
-  std::string script(std::size_t(status.st_size), '\0');
-  const ssize_t n = pread(fileno(infile), script.data(), script.size(), 0);
-  script.resize(n > 0 ? std::size_t(n) : 0);
-  return script;
 }
 
 Particles FixTwogrid::particles() {
@@ -546,9 +264,8 @@ Particles FixTwogrid::particles() {
 void FixTwogrid::pre_exchange() {
   if (!balance_ || !balance_->move_borders()) return;
   guarded([&] {
-    Vec3 lo, hi;
-    for (int d = 0; d < 3; ++d) lo[d] = domain->sublo[d], hi[d] = domain->subhi[d];
-    coupling_->move_region(lo, hi, reach());
+    const ParticleRegion region = particle_region(*lmp);
+    coupling_->move_region(region.lo, region.hi, region.reach);
   });
   if (!balance_said_)
     say("twogrid: the ranks' parts of the box follow the particles: the fullest had " + text(balance_->fullest()) +
@@ -562,6 +279,7 @@ void FixTwogrid::setup(int) {
     // Not before: LIGGGHTS sets the state of a new fix to its defaults at the beginning of set-up.
     coupling_->start(p, update->dt);
     started_ = set_up_ = true;
+    names_.run_is_set_up();
     if (gravity_varies_) coupling_->set_gravity(find_weights(*lmp, true));
     coupling_->force(p, update->dt, false);
     watch_coupling();

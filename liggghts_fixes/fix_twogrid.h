@@ -19,10 +19,8 @@
 #include <fix.h>
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "cfd/fluid_solver.h"
@@ -31,6 +29,7 @@
 #include "coupling/output/output.h"
 #include "liggghts_fixes/liggghts/balance.h"
 #include "liggghts_fixes/liggghts/motion.h"
+#include "liggghts_fixes/liggghts/script_names.h"
 #include "liggghts_fixes/report/coupling_watch.h"
 #include "liggghts_fixes/report/progress.h"
 #include "liggghts_fixes/script/script_parser.h"
@@ -74,22 +73,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   /// f(), with the fix's name and the step in front of the sentence of any exception.
   template <class F>
   auto guarded(F&& f) -> decltype(f());
-  LAMMPS_NS::FixPropertyAtom* keep_with_particles(const std::string& what, int columns);
-  void refuse_what_cannot_be_served() const;
   void refuse_without_set_up() const;
-  BoxFacts box_facts() const;
-  Vec3 velocity_now(int side, std::size_t condition) const;
-  double equal_style(const std::string& variable, const std::string& keyword) const;
-  void resolve_names();
-  void check_region_faces();
-  void find_watchers();
-  void check_box() const;
   void look_at_scene();
   void build();
-  void choose_skin(SceneFacts& facts);
-  bool prompt_lists() const;
-  Layout fluid_layout(const FineGrid& grid) const;
-  double reach() const;
   void open_output();
   Particles particles();
   void couple();
@@ -102,10 +88,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void write_frame(const Particles& p);
   void say(const std::string& text) const;
   void warn(const std::string& text) const;
-  std::string script_text() const;
 
   Script script_;
-  std::map<std::pair<int, std::size_t>, std::vector<bool>> region_faces_;  // of patches by region: side, condition
+  ScriptNames names_;
   std::string id_in_restart_;  // of a fix twogrid whose state the restart file held when this fix was made
   double chosen_skin_ = 0;     // of -skin best (m); 0: the script's stays
   // Owned by LIGGGHTS: kParticleColumns and kStepColumns values a particle.
@@ -124,7 +109,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   bool coupled_now_ = false;  // this step is a coupling
   bool gravity_varies_ = false;
   Motion motion_;             // of this run
-  bool watchers_ = true;      // see find_watchers()
+  bool watchers_ = true;      // see any_watchers()
   bool quiet_ = false;        // this step changes nothing
   double last_interval_ = 0;  // s, of the last coupling
   long long next_frame_ = 0;  // step from which on a frame is due

@@ -1,0 +1,19 @@
+// What the restart file that a script has read holds of fixes.
+#pragma once
+
+#include <string>
+
+namespace LAMMPS_NS {
+class LAMMPS;
+}
+
+namespace twogrid {
+
+/// Values a particle of the fix property/atom of this id; -1: it holds none.
+int values_in_restart(LAMMPS_NS::LAMMPS& lammps, const std::string& id);
+/// Throws std::invalid_argument where it holds the columns of this name, but not so many.
+void check_columns_in_restart(LAMMPS_NS::LAMMPS& lammps, const std::string& name, int columns);
+/// The ID of a fix twogrid whose state it holds; empty: of none.
+std::string id_in_restart(LAMMPS_NS::LAMMPS& lammps);
+
+}  // namespace twogrid

@@ -1,0 +1,102 @@
+#include "liggghts_fixes/liggghts/script_names.h"
+
+#include <domain.h>
+#include <input.h>
+#include <lammps.h>
+#include <modify.h>
+#include <region.h>
+#include <update.h>
+#include <variable.h>
+
+#include <cmath>
+
+#include "liggghts_fixes/script/words.h"
+
+namespace twogrid {
+
+using namespace LAMMPS_NS;
+
+double ScriptNames::equal_style(const std::string& variable, const std::string& keyword) const {
+  Variable* const variables = lammps_.input->variable;
+  Modify* const modify = lammps_.modify;
+  std::string name = variable;
+  const int v = variables->find(name.data());
+  if (v < 0) refuse(keyword, "v_" + variable + ", and no variable of that name", "an equal-style variable");
+  if (!variables->equalstyle(v))
+    refuse(keyword, "v_" + variable + ", which is not equal-style", "an equal-style variable");
+  // LIGGGHTS' list of computes that a variable may ask for exists only once a run has been set up.
+  if (!in_run_) return variables->compute_equal(v);
+  modify->clearstep_compute();
+  const double value = variables->compute_equal(v);
+  modify->addstep_compute(lammps_.update->ntimestep + script_.settings.every);
+  return value;
+}
+
+Vec3 ScriptNames::velocity_now(int side, std::size_t condition) const {
+  const ScriptedVelocity& v = script_.names[side][condition].velocity;
+  Vec3 u = v.number;
+  for (int d = 0; d < 3; ++d) {
+    if (v.variable[d].empty()) continue;
+    const std::string& patch = script_.settings.fluid.side[side][condition].name;
+    const std::string keyword = "boundary " + std::string(kSideNames[side]) + (patch.empty() ? "" : " patch " + patch);
+    u[d] = equal_style(v.variable[d], keyword);
+    if (!std::isfinite(u[d]))
+      refuse(keyword, "v_" + v.variable[d] + " = " + text(u[d]),
+             "a variable with a finite velocity (m/s) at all times");
+  }
+  return u;
+}
+
+void ScriptNames::resolve() {
+  for (int side = 0; side < 6; ++side)
+    for (std::size_t c = 0; c < script_.names[side].size(); ++c) {
+      BoundaryCondition& condition = script_.settings.fluid.side[side][c];
+      const ConditionNames& names = script_.names[side][c];
+      condition.velocity = velocity_now(side, c);
+      if (!names.velocity.is_constant()) condition.velocity_now = [this, side, c] { return velocity_now(side, c); };
+      if (names.region.empty()) continue;
+      std::string region = names.region;
+      const int r = lammps_.domain->find_region(region.data());
+      if (r < 0)
+        refuse("boundary " + std::string(kSideNames[side]) + " patch " + condition.name + " region",
+               names.region + ", and no region of that id", "the id of a region");
+      Region* shape = lammps_.domain->regions[r];
+      condition.shape.inside = [shape](const Vec3& x) { return shape->match(x[0], x[1], x[2]) != 0; };
+    }
+}
+
+void ScriptNames::renew(FluidSettings& fluid) const {
+  for (int side = 0; side < 6; ++side)
+    for (std::size_t c = 0; c < script_.settings.fluid.side[side].size(); ++c) {
+      BoundaryCondition& now = fluid.side[side][c];
+      const BoundaryCondition& found = script_.settings.fluid.side[side][c];
+      now.velocity = found.velocity;
+      now.velocity_now = found.velocity_now;
+      now.shape.inside = found.shape.inside;
+    }
+}
+
+void ScriptNames::check_region_faces(const FineGrid& grid) {
+  for (int side = 0; side < 6; ++side)
+    for (std::size_t c = 0; c < script_.names[side].size(); ++c) {
+      const BoundaryCondition& condition = script_.settings.fluid.side[side][c];
+      if (!condition.shape.inside) continue;
+      const int d = direction(side), e = d == 0 ? 1 : 0, f = d == 2 ? 1 : 2;
+      std::vector<bool> faces;
+      Vec3 x;
+      x[d] = grid.axis[d].node(is_high(side) ? grid.axis[d].n() : 0);
+      for (int j = 0; j < grid.axis[f].n(); ++j)
+        for (int i = 0; i < grid.axis[e].n(); ++i) {
+          x[e] = grid.axis[e].centre(i), x[f] = grid.axis[f].centre(j);
+          faces.push_back(condition.shape.inside(x));
+        }
+      const auto known = region_faces_.try_emplace({side, c}, faces).first;
+      if (known->second != faces)
+        refuse("boundary " + std::string(kSideNames[side]) + " patch " + condition.name + " region",
+               script_.names[side][c].region + ", which has another shape than in the fix's first run",
+               "the same: a patch keeps its faces ('unfix " + id_ +
+                   "' and the fix again take the new shape; the fluid then begins anew)");
+    }
+}
+
+}  // namespace twogrid

@@ -1,0 +1,46 @@
+// Names in the script that only LIGGGHTS can resolve: variables and regions of boundary conditions.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cfd/grid/grid.h"
+#include "liggghts_fixes/script/script.h"
+
+namespace LAMMPS_NS {
+class LAMMPS;
+}
+
+namespace twogrid {
+
+class ScriptNames {
+ public:
+  /// script: of the fix of this id; it must live as long, and is written to.
+  ScriptNames(LAMMPS_NS::LAMMPS& lammps, Script& script, const std::string& id)
+      : lammps_(lammps), script_(script), id_(id) {}
+
+  /// Variables and regions, by name in the script, become functions in the settings. Throws std::invalid_argument where
+  /// there are none of that name.
+  void resolve();
+  /// What resolve() has found, for a fluid that lives already: regions may have been made anew.
+  void renew(FluidSettings& fluid) const;
+  /// Patches keep the faces that they had in the fix's first run: a region that has since been made anew must have the
+  /// same. Throws std::invalid_argument.
+  void check_region_faces(const FineGrid& grid);
+  /// A run has been set up: LIGGGHTS has its list of computes that a variable may ask for.
+  void run_is_set_up() { in_run_ = true; }
+
+ private:
+  Vec3 velocity_now(int side, std::size_t condition) const;
+  double equal_style(const std::string& variable, const std::string& keyword) const;
+
+  LAMMPS_NS::LAMMPS& lammps_;
+  Script& script_;
+  std::string id_;
+  bool in_run_ = false;
+  std::map<std::pair<int, std::size_t>, std::vector<bool>> region_faces_;  // of patches by region: side, condition
+};
+
+}  // namespace twogrid

@@ -1,0 +1,15 @@
+// Scripts that a fluid beside the particles can't be run with.
+#pragma once
+
+#include <string>
+
+namespace LAMMPS_NS {
+class LAMMPS;
+}
+
+namespace twogrid {
+
+/// Throws std::invalid_argument with a sentence. id, style: of the fix that asks.
+void refuse_unsupported(LAMMPS_NS::LAMMPS& lammps, const std::string& id, const std::string& style);
+
+}  // namespace twogrid
