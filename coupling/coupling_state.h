@@ -7,6 +7,7 @@
 #include <array>
 
 #include "cfd/grid/field.h"
+#include "cfd/grid/state_entries.h"
 #include "coupling/two_grid/particle_grid.h"
 
 namespace twogrid {
@@ -76,37 +77,23 @@ struct CouplingState {
   static void for_each_entry(S& s, F&& f) {
     f("started", s.started), f("holding", s.holding), f("drag_number", s.drag_number), f("follow", s.follow);
     f("known_volume", s.known_volume), f("grown", s.grown), f("repeated", s.repeated);
-    array("history_now", s.history.now, f), array("history_rate", s.history.rate, f);
-    array("history_slope", s.history.slope_begin, f), f("history_interval", s.history.interval);
-    array("deposit_eps", s.deposit.eps, f), f("deposit_largest_radius", s.deposit.largest_radius);
+    show_array("history_now", s.history.now, f), show_array("history_rate", s.history.rate, f);
+    show_array("history_slope", s.history.slope_begin, f), f("history_interval", s.history.interval);
+    show_array("deposit_eps", s.deposit.eps, f), f("deposit_largest_radius", s.deposit.largest_radius);
     f("deposit_eps_min", s.deposit.eps_min), f("deposit_moved", s.deposit.volume_moved);
     f("deposit_unplaced", s.deposit.volume_unplaced), f("deposit_volume", s.deposit.volume);
     f("deposit_still", s.deposit.still), f("deposit_particles", s.deposit.particles);
-    f("change_resting", s.change.resting), array("change_rest_eps", s.change.rest_eps, f);
-    f("change_changed", s.change.changed), array("change_eps", s.change.eps, f);
-    components(s.undisturbed, {"undisturbed_x", "undisturbed_y", "undisturbed_z"}, f);
+    f("change_resting", s.change.resting), show_array("change_rest_eps", s.change.rest_eps, f);
+    f("change_changed", s.change.changed), show_array("change_eps", s.change.eps, f);
+    show_components(s.undisturbed, {"undisturbed_x", "undisturbed_y", "undisturbed_z"}, f);
     f("motion_drag", s.motion.drag), f("motion_mass", s.motion.mass), f("motion_terms", s.motion.terms);
-    array("motion_beta", s.motion.beta, f);
-    components(s.motion.v_flux, {"motion_v_flux_x", "motion_v_flux_y", "motion_v_flux_z"}, f);
-    components(s.motion.v_n, {"motion_v_n_x", "motion_v_n_y", "motion_v_n_z"}, f);
+    show_array("motion_beta", s.motion.beta, f);
+    show_components(s.motion.v_flux, {"motion_v_flux_x", "motion_v_flux_y", "motion_v_flux_z"}, f);
+    show_components(s.motion.v_n, {"motion_v_n_x", "motion_v_n_y", "motion_v_n_z"}, f);
     f("step_pressure_force", s.step.pressure_force), f("step_last_dt", s.step.last_dt);
     f("step_decay_dt", s.step.decay_dt);
     f("fluid_steps", s.fluid_steps), f("inserted", s.inserted), f("vanished", s.vanished);
     f("all_grown", s.all_grown);
-  }
-
- private:
-  template <class F>
-  static void array(const char* name, Array3<double>& a, F&& f) {
-    f(name, a);
-  }
-  template <class F>
-  static void array(const char* name, const Array3<double>& a, F&& f) {
-    f(name, a);
-  }
-  template <class Field, class F>
-  static void components(Field& field, const std::array<const char*, 3>& names, F&& f) {
-    for (int d = 0; d < 3; ++d) array(names[d], field[d], f);
   }
 };
 

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "cfd/grid/field.h"
+#include "cfd/grid/state_entries.h"
 
 namespace twogrid {
 
@@ -43,32 +44,18 @@ struct FluidState {
   template <class S, class F>
   static void for_each_entry(S& s, F&& f) {
     f("time", s.time), f("dt_previous", s.dt_previous), f("dt_older", s.dt_older), f("idle_steps", s.idle_steps);
-    components(s.u, {"u_x", "u_y", "u_z"}, f), components(s.u_old, {"u_old_x", "u_old_y", "u_old_z"}, f);
-    components(s.u_older, {"u_older_x", "u_older_y", "u_older_z"}, f);
-    array("p", s.p, f);
-    components(s.eps, {"eps_0", "eps_1", "eps_2"}, f);
+    show_components(s.u, {"u_x", "u_y", "u_z"}, f), show_components(s.u_old, {"u_old_x", "u_old_y", "u_old_z"}, f);
+    show_components(s.u_older, {"u_older_x", "u_older_y", "u_older_z"}, f);
+    show_array("p", s.p, f);
+    show_components(s.eps, {"eps_0", "eps_1", "eps_2"}, f);
     f("imposed_x", s.imposed[0]), f("imposed_y", s.imposed[1]), f("imposed_z", s.imposed[2]);
     f("largest_viscosity", s.largest_viscosity);
-    array("phi", s.phi, f), array("response", s.response, f);
-    components(s.eps_f, {"eps_f_x", "eps_f_y", "eps_f_z"}, f);
+    show_array("phi", s.phi, f), show_array("response", s.response, f);
+    show_components(s.eps_f, {"eps_f_x", "eps_f_y", "eps_f_z"}, f);
     f("rate_0", s.rate.b0), f("rate_1", s.rate.b1), f("rate_2", s.rate.b2), f("rate_excess", s.rate.excess);
     f("velocity_scale", s.velocity_scale), f("one_step", s.one_step);
-    components(s.mean_u, {"mean_u_x", "mean_u_y", "mean_u_z"}, f);
-    components(s.mean_grad_p, {"mean_grad_p_x", "mean_grad_p_y", "mean_grad_p_z"}, f);
-  }
-
- private:
-  template <class F>
-  static void array(const char* name, Array3<double>& a, F&& f) {
-    f(name, a);
-  }
-  template <class F>
-  static void array(const char* name, const Array3<double>& a, F&& f) {
-    f(name, a);
-  }
-  template <class Field, class F>
-  static void components(Field& field, const std::array<const char*, 3>& names, F&& f) {
-    for (int d = 0; d < 3; ++d) array(names[d], field[d], f);
+    show_components(s.mean_u, {"mean_u_x", "mean_u_y", "mean_u_z"}, f);
+    show_components(s.mean_grad_p, {"mean_grad_p_x", "mean_grad_p_y", "mean_grad_p_z"}, f);
   }
 };
 
