@@ -3,7 +3,7 @@
 # its whole output, with the figures it measured. Words after the command go to ctest, such as -L unit or -R momentum.
 set -eu
 cd "$(dirname "$0")/.."
-cases/setup.sh
+cases/setup.sh valgrind  # instruction counts
 cases/build.sh
 cores=$(nproc)
 # A test that uses more ranks than there are cores runs alone (ctest's PROCESSORS).
