@@ -70,26 +70,33 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
     means_.add(step.dt / interval, state_);
     monitors_.measure(state_, predictor_.inlet_head(), step.dt / interval, report);
     if (step.implicit_viscosity) projection_.rotate_pressure(properties_.viscosity, state_);
+    for (auto& model : models_) model->step(domain_, step, state_);
     done += step.dt;
     if (after_step_ && done < interval * (1 - 1e-12)) after_step_(report.steps, done / interval);
   }
   return report;
 }
 
-void FluidSolver::set_property_model(PropertyModel model) {
-  if (model && settings_.gap_friction)
-    throw std::invalid_argument(
-        "a model of the fluid's properties together with 'gap friction on'; wanted: 'gap friction off', whose walls "
-        "need "
-        "the viscosity as one number");
-  property_model_ = std::move(model);
-  properties_ = {};
+void FluidSolver::add_model(std::unique_ptr<FluidModel> model) {
+  models_.push_back(std::move(model));
   state_.largest_viscosity = 0;
+}
+
+int FluidSolver::add_field(const std::string& name, const std::string& unit, double value) {
+  state_.fields.push_back({name, unit, {}});
+  state_.fields.back().values.reset(domain_.local, value);
+  return int(state_.fields.size()) - 1;
 }
 
 void FluidSolver::update_properties(const FaceField<FineGrid>& u) {
   properties_.viscosity.number = settings_.viscosity;
-  if (property_model_) twogrid::update_properties(domain_, property_model_, u, state_, properties_);
+  for (auto& model : models_) model->properties(domain_, state_, u, properties_);
+  if (!properties_.viscosity.varies()) return;
+  if (settings_.gap_friction)
+    throw std::invalid_argument(
+        "'gap friction on' together with a model of the fluid's viscosity; wanted: 'gap friction off', for its walls "
+        "need the viscosity as one number");
+  complete(domain_, state_, properties_);
 }
 
 void FluidSolver::check_finite(double cfl, const Step& step) const {

@@ -9,7 +9,7 @@
 //                    (central convection: + dt (dt + dt_1)/2 times the second divided difference of u^n, u^{n-1},
 //                    u^{n-2}; with constant steps u~ = 5/2 u^n - 2 u^{n-1} + 1/2 u^{n-2}. Without it any central scheme
 //                    that keeps energy grows, by 0.7 % a step at a Courant number of 0.3; with it none does up to 0.67)
-//                    then, where a model is given, properties (mu) as fields from u^n and u~
+//                    then, where models say so, properties (mu) as fields from u^n and u~
 //   (2) predict      A u* = -rho/dt (a1 eps^n u^n + a2 eps^{n-1} u^{n-1}) - rho div(F~ u~) + div(eps tau(u~))
 //                           - (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
 //                    (implicit viscosity: tau(u*) on the left, conjugate gradients)
@@ -18,16 +18,21 @@
 //   (4) correct      u^{n+1} = u* - grad phi/A,   p^{n+1} = p^n + phi
 //                    (- 4/3 mu (div(eps u*) + d(eps)/dt - q) when viscosity is implicit: the rotational form of
 //                    Guermond & Shen (2004))
+//   (5) models' own fields, by the fluxes of this step
 // All at t^{n+1}; eps on faces is the volume-weighted mean of the cells'; prescribed faces keep their value.
 #pragma once
 
 #include <mpi.h>
 
 #include <functional>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "cfd/fluid/domain.h"
 #include "cfd/fluid/flow_rate.h"
 #include "cfd/fluid/fluid.h"
+#include "cfd/fluid/fluid_model.h"
 #include "cfd/fluid/fluid_state.h"
 #include "cfd/fluid/interval_means.h"
 #include "cfd/fluid/monitors.h"
@@ -74,9 +79,13 @@ class FluidSolver : public Fluid {
   /// steps done and the share of the interval behind them. It may throw, on all ranks alike.
   void watch_steps(std::function<void(int, double)> after) { after_step_ = std::move(after); }
 
-  /// From the next step on properties are those of the model. Particles go on to see density() and viscosity(). Throws
-  /// std::invalid_argument where the friction of a one-cell gap needs the viscosity as one number.
-  void set_property_model(PropertyModel model);
+  /// From the next step on the model is part of the step. Particles go on to see density() and viscosity(), whatever it
+  /// does to properties.
+  void add_model(std::unique_ptr<FluidModel> model);
+  /// A field of the state for a model, of the same value everywhere, halo of void_fraction(). Returns its place in
+  /// FluidState::fields.
+  int add_field(const std::string& name, const std::string& unit, double value);
+  const std::vector<ModelField>& model_fields() const override { return state_.fields; }
 
   /// Settings that may change between runs (inlet values, tolerances); the grid and the kinds of boundary may not.
   FluidSettings& settings() { return settings_; }
@@ -105,7 +114,7 @@ class FluidSolver : public Fluid {
   FluidDomain domain_;
   FluidState state_;
   FluidProperties properties_;
-  PropertyModel property_model_;
+  std::vector<std::unique_ptr<FluidModel>> models_;
 
   TimeStep time_step_;
   Predictor predictor_;

@@ -10,6 +10,7 @@
 #include "coupling/control/coupling_error.h"
 #include "coupling/control/stopwatch.h"
 #include "coupling/forces/drag.h"
+#include "coupling/forces/exchange_model.h"
 #include "coupling/forces/gather_fluid.h"
 #include "coupling/forces/interval_end.h"
 #include "coupling/forces/mean_motion.h"
@@ -58,6 +59,7 @@ class Coupling::Impl {
   Shares shares_;
   Fluid& fluid_;
   StepForces forces_;
+  std::vector<std::unique_ptr<ExchangeModel>> models_;
 
  private:
   void go_on(Particles& p);
@@ -65,11 +67,12 @@ class Coupling::Impl {
   void end_interval(Particles& p, double interval, double dem_dt);
   void take_census(const Particles& p, const Survey& mine);
   void deposit(const Particles& p);
-  void react(const Particles& p, double interval);
+  void react(Particles& p, double interval);
   FluidReport advance_fluid(const Particles& p, double interval, bool check);
   void gather_fluid(Particles& p, double interval);
   void load_groups(bool kick);
   void hold_motion(Particles& p, const GatherMaxima& all);
+  ExchangeSite site(Particles& p, double interval);
   void choose_hold();
   MeanMotion& motion();
   void close_ledger(double interval);
@@ -225,10 +228,11 @@ void Coupling::Impl::deposit(const Particles& p) {
   void_fraction_.deposit(p, selection_, places_, census_, ledger_);
 }
 
-void Coupling::Impl::react(const Particles& p, double interval) {
+void Coupling::Impl::react(Particles& p, double interval) {
   if (settings_.one_way) return;
   Stopwatch watch(shares_.map);
   const bool completed = state_.drag_number > kComplete || state_.follow > kFollow;
+  for (auto& model : models_) model->give(site(p, interval));
   exchange_.react(p, selection_, places_, drag_, census_, interval, completed, ledger_);
 }
 
@@ -265,8 +269,10 @@ void Coupling::Impl::gather_fluid(Particles& p, double interval) {
   load_groups(mean_loaded);
   const bool several_sizes = census_.several_sizes();
   const bool pressure_force = formulation_A() || (several_sizes && !settings_.one_way);
-  if (state_.step.pressure_force && !pressure_force) clear_pressure_force(p, inside);
+  const bool of_models = std::any_of(models_.begin(), models_.end(), [](auto& m) { return m->forces(); });
+  if ((state_.step.own_force && !pressure_force) || of_models) clear_pressure_force(p, inside);
   state_.step.pressure_force = pressure_force;
+  state_.step.own_force = pressure_force || of_models;
   if (several_sizes) {
     motion().average_diameters(p, inside, census_.radius, census_.terms);
     size_ratio_.resize(inside.size());
@@ -293,6 +299,12 @@ void Coupling::Impl::gather_fluid(Particles& p, double interval) {
   report_.travel = all.speed * interval / cell_width_;
   choose_hold();
   if (!settings_.one_way && (pressure_force || state_.holding)) hold_motion(p, all);
+  for (auto& model : models_) model->take(site(p, interval));
+}
+
+ExchangeSite Coupling::Impl::site(Particles& p, double interval) {
+  return {comm_,         p,     selection_.inside(), places_, reader_, fluid_, void_fraction_.history().now(), interval,
+          census_.terms, state_};
 }
 
 /// What particles read: u and eps; u for the next reaction; its mean where it is another; the undisturbed flow's force.
@@ -425,6 +437,9 @@ void Coupling::finish_step(Particles& p) {
 }
 void Coupling::repeat_force() {
   ++impl_->state_.repeated;
+}
+void Coupling::add_model(std::unique_ptr<ExchangeModel> model) {
+  impl_->models_.push_back(std::move(model));
 }
 void Coupling::set_gravity(const std::vector<Weight>& weights) {
   impl_->forces_.set_gravity(weights);

@@ -27,6 +27,7 @@
 
 namespace twogrid {
 
+class ExchangeModel;
 class Fluid;
 struct CouplingState;
 
@@ -93,6 +94,8 @@ class Coupling {
   /// At the end of every DEM step, after the last half kick: turns the force into that of the next half kick. Does
   /// nothing for particles whose response time is long against the DEM step (StepForces::kStiff). Not in set-up. Local.
   void finish_step(Particles& p);
+  /// Before the first start().
+  void add_model(std::unique_ptr<ExchangeModel> model);
   /// For the buoyancy -V_p rho_f g: p is the dynamic pressure, its hydrostatic part is not in the fluid's equations. Not
   /// called: none.
   void set_gravity(const std::vector<Weight>& weights);

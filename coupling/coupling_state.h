@@ -5,6 +5,8 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
 #include "cfd/grid/field.h"
 #include "cfd/grid/state_entries.h"
@@ -29,7 +31,8 @@ struct MeanMotionState {
 
 /// What the forces of a DEM step leave to the next (step_forces.h).
 struct StepForcesState {
-  bool pressure_force = false;  // F_p is a force of its own, and b is b_p; else b is b_p/eps, F_p zero
+  bool pressure_force = false;  // the pressure's is a force of its own, and b is b_p; else b is b_p/eps
+  bool own_force = false;       // F_p is in use: the pressure's, or models'; else it is zero
   double last_dt = 0;           // DEM step of the last call that was no set-up (s); 0: none yet
   double decay_dt = 0;          // DEM step of the particles' kDecay (s); 0: none yet
 };
@@ -53,6 +56,13 @@ struct ChangeState {
   CellField<FineGrid> eps;           // what commands have added to eps; only if changed
 };
 
+/// What a model of the exchange keeps (exchange_model.h). Arrays are the rank's: own nodes.
+struct ModelState {
+  std::string name;  // of the entry
+  double number = 0;
+  CellField<ParticleGrid> field;
+};
+
 struct CouplingState {
   bool started = false;
   bool holding = false;     // the flux is held
@@ -67,6 +77,7 @@ struct CouplingState {
   FaceField<FineGrid> undisturbed;  // R (N/m3), own faces and a halo of one; formulation A only
   MeanMotionState motion;
   StepForcesState step;
+  std::vector<ModelState> models;
   // Over the run.
   long long fluid_steps = 0;
   double inserted = 0, vanished = 0, all_grown = 0;  // volumes (m3)
@@ -91,7 +102,8 @@ struct CouplingState {
     show_components(s.motion.v_flux, {"motion_v_flux_x", "motion_v_flux_y", "motion_v_flux_z"}, f);
     show_components(s.motion.v_n, {"motion_v_n_x", "motion_v_n_y", "motion_v_n_z"}, f);
     f("step_pressure_force", s.step.pressure_force), f("step_last_dt", s.step.last_dt);
-    f("step_decay_dt", s.step.decay_dt);
+    f("step_decay_dt", s.step.decay_dt), f("step_own_force", s.step.own_force);
+    for (auto& m : s.models) f(m.name.c_str(), m.number), show_array((m.name + "_field").c_str(), m.field, f);
     f("fluid_steps", s.fluid_steps), f("inserted", s.inserted), f("vanished", s.vanished);
     f("all_grown", s.all_grown);
   }

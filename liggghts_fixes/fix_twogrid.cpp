@@ -38,6 +38,7 @@
 #include "liggghts_fixes/run/signals.h"
 #include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/keywords.h"
+#include "liggghts_fixes/script/models.h"
 #include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
@@ -207,6 +208,7 @@ void FixTwogrid::build() {
   fluid_->watch_steps([this](int steps, double share) { watch_fluid_step(steps, share); });
   const ParticleRegion region = particle_region(*lmp);
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, region.lo, region.hi, region.reach);
+  install_models({*lmp, script_, *fluid_, *coupling_});
   watch_ = CouplingWatch(s.bound, s.eps_min);
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();

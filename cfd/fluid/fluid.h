@@ -1,6 +1,9 @@
 // The fluid as the coupling sees it. FluidSolver (fluid_solver.h) is the real one; tests use fakes.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "cfd/grid/field.h"
 #include "cfd/grid/grid.h"
 #include "cfd/grid/layout.h"
@@ -67,6 +70,12 @@ struct FluidReport {
 /// Face is solved for, or its normal velocity is prescribed (wall, inlet).
 enum class FaceState : unsigned char { kSolved, kFixed };
 
+/// A value a cell that a model keeps: a temperature, a concentration. On the box of the void fraction.
+struct ModelField {
+  std::string name, unit;
+  CellField<FineGrid> values;
+};
+
 class Fluid {
  public:
   virtual ~Fluid() = default;
@@ -92,6 +101,11 @@ class Fluid {
   virtual const CellField<FineGrid>& pressure() const = 0;
   virtual const CellField<FineGrid>& void_fraction() const = 0;
   virtual double time() const = 0;
+  /// Those of models, for output and for what reads them.
+  virtual const std::vector<ModelField>& model_fields() const {
+    static const std::vector<ModelField> kNone;
+    return kNone;
+  }
   /// True if flux(), eps u of own faces (m/s), and void_fraction_rate(), d(eps)/dt - q of own cells (1/s), are given as the
   /// discrete continuity of the last step had them.
   virtual bool knows_last_step() const { return false; }

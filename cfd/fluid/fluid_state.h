@@ -3,7 +3,10 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
+#include "cfd/fluid/fluid.h"
 #include "cfd/grid/field.h"
 #include "cfd/grid/state_entries.h"
 
@@ -19,18 +22,19 @@ struct FluidState {
     }
   };
 
-  double time = 0;               // t^n (s)
-  double dt_previous = 0;        // t^n - t^{n-1} (s); 0: no history
-  int idle_steps = 0;            // steps in a row that could have been longer
-  double dt_older = 0;           // t^{n-1} - t^{n-2} (s); 0: not known
-  FaceField<FineGrid> u, u_old;  // u^n, u^{n-1} (m/s), with halo and ghosts
-  FaceField<FineGrid> u_older;   // u^{n-2}; only with central convection
-  CellField<FineGrid> p;         // dynamic pressure (Pa), likewise
-  Levels eps;                    // eps^n, eps^{n-1}, eps^{n-2}
-  Vec3 imposed{0, 0, 0};         // G (Pa/m)
-  double largest_viscosity = 0;  // of the last step, where it varies: bounds the next (Pa s); 0: not known
-  CellField<FineGrid> phi;       // change of p in the last step: the pressure solver's next first guess (Pa)
-  CellField<FineGrid> response;  // potential answering a unit mean gradient: first guess too; only with a flow rate
+  double time = 0;                 // t^n (s)
+  double dt_previous = 0;          // t^n - t^{n-1} (s); 0: no history
+  int idle_steps = 0;              // steps in a row that could have been longer
+  double dt_older = 0;             // t^{n-1} - t^{n-2} (s); 0: not known
+  FaceField<FineGrid> u, u_old;    // u^n, u^{n-1} (m/s), with halo and ghosts
+  FaceField<FineGrid> u_older;     // u^{n-2}; only with central convection
+  CellField<FineGrid> p;           // dynamic pressure (Pa), likewise
+  Levels eps;                      // eps^n, eps^{n-1}, eps^{n-2}
+  Vec3 imposed{0, 0, 0};           // G (Pa/m)
+  double largest_viscosity = 0;    // of the last step, where it varies: bounds the next (Pa s); 0: not known
+  CellField<FineGrid> phi;         // change of p in the last step: the pressure solver's next first guess (Pa)
+  std::vector<ModelField> fields;  // of models (fluid_model.h)
+  CellField<FineGrid> response;    // potential answering a unit mean gradient: first guess too; only with a flow rate
   // Read after a step.
   FaceField<FineGrid> eps_f;        // eps^n on faces
   Rate rate;                        // of the last step
@@ -50,6 +54,7 @@ struct FluidState {
     show_components(s.eps, {"eps_0", "eps_1", "eps_2"}, f);
     f("imposed_x", s.imposed[0]), f("imposed_y", s.imposed[1]), f("imposed_z", s.imposed[2]);
     f("largest_viscosity", s.largest_viscosity);
+    for (auto& field : s.fields) show_array(field.name.c_str(), field.values, f);
     show_array("phi", s.phi, f), show_array("response", s.response, f);
     show_components(s.eps_f, {"eps_f_x", "eps_f_y", "eps_f_z"}, f);
     f("rate_0", s.rate.b0), f("rate_1", s.rate.b1), f("rate_2", s.rate.b2), f("rate_excess", s.rate.excess);

@@ -6,9 +6,7 @@
 
 namespace twogrid {
 
-void update_properties(const FluidDomain& domain, const PropertyModel& model, const FaceField<FineGrid>& u_tilde,
-                       FluidState& state, FluidProperties& properties) {
-  model(domain, state, u_tilde, properties);
+void complete(const FluidDomain& domain, FluidState& state, FluidProperties& properties) {
   Property& mu = properties.viscosity;
   if (!mu.varies()) return;
   CellField<FineGrid>& field = mu.vary(domain.local);

@@ -73,7 +73,7 @@ void StepForces::plain(Particles& p, double dem_dt) {
   if (dem_dt != state_.decay_dt) find_decay(p, dem_dt);
   left_.resize(p.n);
   const PlainStep step{dem_dt, -density_, gravity_, by_group_.data(), int(by_group_.size())};
-  const int left = add_plain_forces(p, step, state_.pressure_force, left_.data());
+  const int left = add_plain_forces(p, step, state_.own_force, left_.data());
   for (int q = 0; q < left; ++q) on<false, false>(p, left_[q], dem_dt, true, nullptr);
 }
 

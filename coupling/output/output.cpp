@@ -16,7 +16,6 @@ namespace twogrid {
 namespace {
 
 const char* const kXyz[3] = {"x", "y", "z"};
-const std::vector<std::string> kFields = {"u", "p", "eps", "faces"};
 
 /// bed.h5 -> bed
 std::string stem(const std::string& file) {
@@ -52,6 +51,16 @@ std::string mpi_version() {
   return std::string(s, n);
 }
 
+void check_fields(const std::vector<std::string>& wanted, const Fluid& fluid) {
+  std::vector<std::string> known = output_fields();
+  for (const ModelField& f : fluid.model_fields()) known.push_back(f.name);
+  std::string list;
+  for (const auto& f : known) list += (list.empty() ? "" : ", ") + f;
+  for (const auto& f : wanted)
+    if (std::find(known.begin(), known.end(), f) == known.end())
+      throw std::invalid_argument("output fields: '" + f + "' is no field that can be written; give some of " + list);
+}
+
 /// Values of `own` out of an array with a halo, for a dataset that holds `all` indices.
 Slab part_of(const Int3& all, const Box& own, const Box& array) {
   Slab s;
@@ -67,12 +76,12 @@ Slab part_of(const Int3& all, const Box& own, const Box& array) {
 
 }  // namespace
 
+const std::vector<std::string>& output_fields() {
+  static const std::vector<std::string> kFields{"u", "p", "eps", "faces"};
+  return kFields;
+}
+
 void check(const OutputSettings& s) {
-  std::string known;
-  for (const auto& f : kFields) known += (known.empty() ? "" : ", ") + f;
-  for (const auto& f : s.fields)
-    if (std::find(kFields.begin(), kFields.end(), f) == kFields.end())
-      throw std::invalid_argument("output fields: '" + f + "' is no field that can be written; give some of " + known);
   if (s.every < 0)
     throw std::invalid_argument("output every: " + std::to_string(s.every) +
                                 " was given, a number of DEM steps of at least 1 is wanted (0: no frames)");
@@ -103,7 +112,7 @@ class Output::Impl {
   void on_rank_0(F&& f) const;
   /// Written over, once they are in the file.
   double room_for_means() const { return means_written_ > 0 ? 0 : averages_->bytes(); }
-  bool wants(const char* field) const {
+  bool wants(const std::string& field) const {
     return std::find(settings_.fields.begin(), settings_.fields.end(), field) != settings_.fields.end();
   }
 
@@ -131,7 +140,11 @@ class Output::Impl {
 Output::Impl::Impl(MPI_Comm comm, const Settings& settings, const Fluid& fluid, const Record& record)
     : comm_(comm), fluid_(fluid), settings_(settings.output), n_(fluid.grid().n()) {
   check(settings_);
-  if (settings_.fields.empty()) settings_.fields = {"u", "p", "eps"};
+  check_fields(settings_.fields, fluid);
+  if (settings_.fields.empty()) {
+    settings_.fields = {"u", "p", "eps"};
+    for (const ModelField& f : fluid.model_fields()) settings_.fields.push_back(f.name);
+  }
   if (wants("faces") && !wants("eps")) settings_.fields.push_back("eps");
   MPI_Comm_rank(comm, &rank_);
   own_ = fluid.layout().cells(rank_);
@@ -235,7 +248,8 @@ void Output::Impl::frame(double t, long step, const Particles& particles) {
   const std::string fluid_at = "/fluid/" + std::string(name), particles_at = "/particles/" + std::string(name);
 
   const double cells = (n_[0] + 1.0) * (n_[1] + 1.0) * (n_[2] + 1.0);
-  const double bytes = 8 * cells * (5 + (wants("faces") ? 7 : 0)) + 8.0 * 18 * count_.total + 65536;
+  const double bytes =
+      8 * cells * (5 + fluid_.model_fields().size() + (wants("faces") ? 7 : 0)) + 8.0 * 18 * count_.total + 65536;
   const bool has_means = averages_ && averages_->weight() > means_written_;
   Hdf5File file(comm_, settings_.file, Hdf5File::Mode::kAppend, bytes + (has_means ? room_for_means() : 0));
   file.group(fluid_at);
@@ -258,6 +272,8 @@ void Output::Impl::frame(double t, long step, const Particles& particles) {
     std::vector<XdmfField> on_cells, on_points;
     for (const char* f : {"u", "p", "eps"})
       if (wants(f)) on_cells.push_back({f, fluid_at + "/" + f, f[0] == 'u' ? 3 : 1, false});
+    for (const ModelField& f : fluid_.model_fields())
+      if (wants(f.name)) on_cells.push_back({f.name, fluid_at + "/" + f.name, 1, false});
     std::string grids = xdmf_grid("fluid", h5, "/grid", n_, on_cells);
     if (settings_.particles && count_.total > 0) {
       auto show = [&](const char* f, int components, bool integer = false) {
@@ -279,6 +295,8 @@ void Output::Impl::write_fluid(Hdf5File& file, const std::string& at) {
   const auto& eps = fluid_.void_fraction();
   if (wants("p")) file.slab(at + "/p", part_of(n_, own_, p.box()), p.data(), "Pa");
   if (wants("eps")) file.slab(at + "/eps", part_of(n_, own_, eps.box()), eps.data(), "1");
+  for (const ModelField& f : fluid_.model_fields())
+    if (wants(f.name)) file.slab(at + "/" + f.name, part_of(n_, own_, f.values.box()), f.values.data(), f.unit.c_str());
   if (!wants("u")) return;
   const auto& u = fluid_.velocity();
   buffer_.resize(3 * own_.count());

@@ -9,7 +9,7 @@
 //   /fluid/NNNNNN/          frame NNNNNN (000000, 000001, ...):
 //     time, step            s; DEM step
 //     u    [nz][ny][nx][3]  interstitial velocity at cell centres (m/s), mean of the cell's two faces
-//     p, eps [nz][ny][nx]   dynamic pressure (Pa), void fraction
+//     p, eps [nz][ny][nx]   dynamic pressure (Pa), void fraction; likewise fields of models, by their names
 //     faces/                with the field name `faces`: ux, uy, uz (m/s) on the faces, as the solver holds them.
 //                           [i] is the low face of cell i; in a direction that is not periodic there is one more, the
 //                           high side. Where the solver keeps them, also flux_x, flux_y, flux_z (eps u of the last
@@ -44,7 +44,9 @@ struct Record {
   std::vector<std::pair<std::string, std::string>> settings;  ///< keyword of the script, its value as a script has it
 };
 
-/// Throws std::invalid_argument with a sentence when the settings can't be right. Local.
+/// Names that `output fields` may have; those of models (Fluid::model_fields()) come on top.
+const std::vector<std::string>& output_fields();
+/// Throws std::invalid_argument with a sentence when the settings can't be right, but for names of fields. Local.
 void check(const OutputSettings& settings);
 
 class Output {

@@ -24,7 +24,11 @@ Spread spread_of(Read read) {
 
 Reader::Reader(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid, const ParticleRegion& region, Read read,
                double width)
-    : comm_(comm), read_(read), width_(width), map_(comm, fluid, grid) {
+    : comm_(comm),
+      read_(read),
+      width_(width),
+      map_(comm, fluid, grid),
+      cell_map_(fluid.grid(), map_.grid(), map_.own()) {
   move_region(region);
 }
 
@@ -81,6 +85,7 @@ void Reader::load(const std::vector<ReadGroup>& groups) {
     window.push_back({window_.box(), field_.data() + g, n});
     if (groups[g].faces) map_.mean(*groups[g].faces, own[g], groups[g].eps);
     set_value(groups[g], map_.own(), own[g]);
+    cell_map_.mean(groups[g].cells, groups[g].cell_weight, own[g]);
   }
   window_.bring(own, window);
 }
@@ -89,7 +94,8 @@ void Reader::clear_reaction() {
   std::fill(sum_.begin(), sum_.end(), FourWholeNumbers{});
 }
 
-void Reader::collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back) {
+/// The window's sums of all ranks, on own nodes.
+Slot<FourWholeNumbers> Reader::own_sums() {
   const Slot<FourWholeNumbers> window{window_.box(), sum_.data(), 1};
   Slot<FourWholeNumbers> own = window;
   if (!around_) {
@@ -97,7 +103,16 @@ void Reader::collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source,
     own = {map_.own(), own_sum_.data(), 1};
   }
   window_.add(window, own);
-  held_back = map_.spread(own, scale, source, beta);
+  return own;
+}
+
+void Reader::collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back) {
+  held_back = map_.spread(own_sums(), scale, source, beta);
+}
+
+void Reader::collect(const std::array<FixedPoint, 2>& scale, const CellField<FineGrid>* weight,
+                     const std::array<CellField<FineGrid>*, 4>& cells) {
+  cell_map_.spread(own_sums(), scale, weight, cells);
 }
 
 }  // namespace twogrid

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "coupling/particles/particles.h"
+#include "coupling/two_grid/cell_map.h"
 #include "coupling/two_grid/fixed_point.h"
 #include "coupling/two_grid/map.h"
 #include "coupling/two_grid/window.h"
@@ -27,7 +28,8 @@ namespace twogrid {
 bool reads_fine_cells(Read read);
 Spread spread_of(Read read);
 
-/// Four values that particles read together: three components on faces, as the node's mean, and one value of the node.
+/// Four values that particles read together: three components on faces, as the node's mean, and one value of the node;
+/// or of any of the four the mean over the node's fine cells.
 struct ReadGroup {
   const FaceField<FineGrid>* faces = nullptr;  ///< own faces and a halo of one; null: zero
   const Array3<double>* value = nullptr;       ///< own nodes; null: zero
@@ -35,6 +37,9 @@ struct ReadGroup {
   /// `value`. So they are the velocity inside the node also where the void fraction jumps at its sides: the flux eps u
   /// passes the jump unchanged, while u on the faces there is that of neither side.
   const CellField<FineGrid>* eps = nullptr;
+  /// Component q is the mean of cells[q], where not null, weighed by volume, or volume times cell_weight (CellMap).
+  CellMap::Cells cells{};
+  const CellField<FineGrid>* cell_weight = nullptr;
 };
 
 class Reader {
@@ -88,14 +93,20 @@ class Reader {
   /// Sums of all ranks on faces: source (components 0-2) and beta (3), per volume. held_back: what nodes without a
   /// solved face kept of components 0-2. Collective.
   void collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back);
+  /// The same sums on own fine cells, per volume: component q to cells[q], where not null, by the transpose of reading
+  /// cells with this weight. Collective.
+  void collect(const std::array<FixedPoint, 2>& scale, const CellField<FineGrid>* weight,
+               const std::array<CellField<FineGrid>*, 4>& cells);
 
  private:
   Slot<FourNumbers> own_field(int group, int groups);
+  Slot<FourWholeNumbers> own_sums();
 
   MPI_Comm comm_;
   Read read_;
   double width_;
   Map map_;
+  CellMap cell_map_;
   Window window_;
   WindowShape shape_;
   bool around_ = false;                         // the window lies around own nodes: their values have their place in it

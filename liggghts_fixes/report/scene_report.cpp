@@ -292,11 +292,16 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
 
   int components = 3;
   for (int f : s.fine) components -= f == 1;
-  std::string models_on;
+  std::string models_on, absent;
+  std::vector<std::string> effects{"turbulence",           "heat", "species", "lift", "virtual mass", "Basset force",
+                                   "rotation by the fluid"};
   for (const Model& m : models()) {
     const std::string on = m.report(script);
-    if (!on.empty()) models_on += ", " + on;
+    if (on.empty()) continue;
+    models_on += ", " + on;
+    effects.erase(std::remove(effects.begin(), effects.end(), m.effect), effects.end());
   }
+  for (const std::string& e : effects) absent += (absent.empty() ? "" : ", ") + e;
   line("modelled", "volume-averaged flow, " + std::to_string(components) + " velocity components, formulation " +
                        (s.formulation == Formulation::kA ? "A" : "B") + ", drag " + s.drag +
                        (s.formulation == Formulation::kA ? ", pressure gradient force"
@@ -304,7 +309,7 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
                             ? ", and V_p times the pressure gradient that the drag makes, as sizes differ"
                             : "") +
                        models_on + (s.one_way ? ", one-way" : ""));
-  line("not modelled", "turbulence, heat, species, lift, virtual mass, Basset force, rotation by the fluid");
+  line("not modelled", absent);
   for (const std::string& saving : scene_savings(s, facts)) line("not computed", saving);
   line("domain", "x " + text(s.domain[0]) + " to " + text(s.domain[1]) + ", y " + text(s.domain[2]) + " to " +
                      text(s.domain[3]) + ", z " + text(s.domain[4]) + " to " + text(s.domain[5]) + " m");

@@ -2,6 +2,7 @@
 
 #include "coupling/forces/drag.h"
 #include "coupling/methods.h"
+#include "coupling/output/output.h"
 #include "liggghts_fixes/script/boundary_words.h"
 #include "liggghts_fixes/script/keywords.h"
 #include "liggghts_fixes/script/models.h"
@@ -143,7 +144,11 @@ void parse_output(const Line& line) {
     out.every = 0;
     return;
   }
-  static const std::vector<std::string> kFields{"u", "p", "eps", "faces"};
+  static const std::vector<std::string> kFields = [] {
+    std::vector<std::string> names = output_fields();
+    for (const Model& m : models()) names.insert(names.end(), m.fields.begin(), m.fields.end());
+    return names;
+  }();
   bool any = false;
   for (;; any = true) {
     if (words.take_if("every")) {

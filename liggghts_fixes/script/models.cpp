@@ -9,6 +9,11 @@ const std::vector<Model>& models() {
   return kModels;
 }
 
+void install_models(const ModelSite& site) {
+  for (const Model& m : models())
+    if (m.install && !m.report(site.script).empty()) m.install(site);
+}
+
 void parse_model(const Line& line) {
   std::vector<std::string> names;
   for (const Model& m : models()) names.push_back(m.name);

@@ -10,14 +10,23 @@ using namespace twogrid;
 
 namespace {
 
-/// mu by the coordinate in one direction.
-PropertyModel viscosity_along(int d, std::function<double(double)> mu) {
-  return [=](const FluidDomain& domain, const FluidState&, const FaceField<FineGrid>&, FluidProperties& properties) {
+/// mu by the coordinate in direction d.
+struct ViscosityAlong : FluidModel {
+  int d;
+  std::function<double(double)> mu;
+  void properties(const FluidDomain& domain, const FluidState&, const FaceField<FineGrid>&,
+                  FluidProperties& properties) override {
     auto& field = properties.viscosity.vary(domain.local);
     for_each(domain.own, [&](int i, int j, int k) {
       field(i, j, k) = mu(domain.grid.axis[d].centre(Int3{i, j, k}[d]));
     });
-  };
+  }
+};
+
+std::unique_ptr<FluidModel> viscosity_along(int d, std::function<double(double)> mu) {
+  auto model = std::make_unique<ViscosityAlong>();
+  model->d = d, model->mu = std::move(mu);
+  return model;
 }
 
 }  // namespace
@@ -30,7 +39,7 @@ TEST(ViscosityField, OfOneValueIsTheNumber) {
     s.side[kZlo] = s.side[kZhi] = {condition(BoundaryKind::kNoSlip)};
     const std::array<std::vector<double>, 3> nodes{uniform(0, 1, 12), uniform(0, 1, 10), graded_nodes(0, 0.5, 6, 1.1)};
     CfdBox number(nodes, {true, true, false}, s), field(nodes, {true, true, false}, s);
-    field.fluid->set_property_model(viscosity_along(2, [](double) { return 0.01; }));
+    field.fluid->add_model(viscosity_along(2, [](double) { return 0.01; }));
     double worst = 0, largest = 0;
     for (int k = 0; k < 6; ++k) {
       for (CfdBox* box : {&number, &field}) {
@@ -82,7 +91,7 @@ TEST(ViscosityField, TwoLayersBetweenPlates) {
         std::array<std::vector<double>, 3> nodes;
         nodes[along] = uniform(0, 1, 2), nodes[across] = uniform(0, 1, n), nodes[thin] = uniform(0, 1, 1);
         CfdBox box(nodes, periodic, s);
-        box.fluid->set_property_model(viscosity_along(across, [=](double y) { return y < h ? mu1 : mu2; }));
+        box.fluid->add_model(viscosity_along(across, [=](double y) { return y < h ? mu1 : mu2; }));
         for (int k = 0; k < (implicit ? 60 : 40); ++k) box.step(0.05);
         error[level] = box.face_error(along, [&](double x, double y, double z) {
           const double q[3] = {x, y, z};
@@ -100,6 +109,6 @@ TEST(ViscosityField, MustBeAboveZero) {
   FluidSettings s;
   s.density = 1, s.viscosity = 1;
   CfdBox box({uniform(0, 1, 4), uniform(0, 1, 4), uniform(0, 1, 4)}, {true, true, true}, s);
-  box.fluid->set_property_model(viscosity_along(0, [](double x) { return x > 0.8 ? -1e-3 : 1.0; }));
+  box.fluid->add_model(viscosity_along(0, [](double x) { return x > 0.8 ? -1e-3 : 1.0; }));
   EXPECT_THROW(box.step(0.01), std::runtime_error);
 }

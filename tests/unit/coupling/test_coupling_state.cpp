@@ -157,6 +157,7 @@ std::vector<Case> cases() {
       {"strong drag", Formulation::kB, false, 3, 5, moves, goes_on},
       {"strong drag, two sizes", Formulation::kB, true, 3, 5, moves, goes_on},
       {"formulation A", Formulation::kA, false, 0.3, 5, moves, goes_on},
+      {"formulation A, weak drag", Formulation::kA, false, 1e-3, 500, moves, goes_on},
       {"another step", Formulation::kB, false, 1e-3, 5, moves, shorter},
       {"still", Formulation::kB, false, 0.1, 5, lies, goes_on},
       {"still, one is deleted", Formulation::kB, false, 0.1, 5, lies, [](Scene& s) { s.remove_last(), s.run(kEvery); }},
