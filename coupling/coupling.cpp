@@ -76,7 +76,6 @@ class Coupling::Impl {
   void choose_hold();
   MeanMotion& motion();
   void close_ledger(double interval);
-  void write_report(const FluidReport& fluid);
 
   bool formulation_A() const { return settings_.formulation == Formulation::kA; }
 
@@ -180,7 +179,8 @@ void Coupling::Impl::advance(Particles& p, int steps, double dem_dt, bool check)
     report_.coupling_error = coupling_error_.measure(comm_, p, selection_.inside());
   }
   close_ledger(interval);
-  write_report(fluid);
+  state_.fluid_steps += fluid.steps;
+  report_.take(fluid, fluid_.time(), state_.fluid_steps);
 }
 
 void Coupling::Impl::select(const Particles& p) {
@@ -360,29 +360,8 @@ void Coupling::Impl::close_ledger(double interval) {
   state_.vanished += vanished;
   state_.all_grown += census_.grown;
   state_.known_volume = balance.solid_volume;
-  report_.solid_volume_error = balance.volume_error;
+  report_.take(state_, census_, balance, vanished);
   if (interval > 0 && !settings_.one_way) report_.momentum_error = balance.momentum_error;
-  report_.volume_inserted = balance.inserted_volume;
-  report_.volume_vanished = vanished;
-  report_.particles = census_.particles;
-  report_.solid_volume = state_.known_volume;
-  report_.inserted_total = state_.inserted, report_.vanished_total = state_.vanished;
-  report_.grown_total = state_.all_grown;
-  report_.volume_moved = state_.deposit.volume_moved, report_.volume_unplaced = state_.deposit.volume_unplaced;
-  report_.max_drag_number = state_.drag_number;
-  report_.holding_flux = state_.holding;
-  report_.pressure_force = state_.step.pressure_force;
-}
-
-void Coupling::Impl::write_report(const FluidReport& fluid) {
-  state_.fluid_steps += fluid.steps;
-  report_.fluid_time = fluid_.time();
-  report_.fluid_dt = fluid.dt;
-  report_.cfl = fluid.cfl;
-  report_.pressure_drop = fluid.pressure_drop;
-  report_.divergence_error = fluid.divergence_error;
-  report_.pressure_iterations = fluid.pressure_iterations;
-  report_.fluid_steps = state_.fluid_steps;
 }
 
 void Coupling::Impl::rest(Particles& p) {

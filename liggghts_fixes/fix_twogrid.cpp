@@ -208,7 +208,7 @@ void FixTwogrid::build() {
   fluid_->watch_steps([this](int steps, double share) { watch_fluid_step(steps, share); });
   const ParticleRegion region = particle_region(*lmp);
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, region.lo, region.hi, region.reach);
-  install_models({*lmp, script_, *fluid_, *coupling_});
+  install_models({script_, *fluid_, *coupling_, [this](const std::string& n) { return particle_property(*lmp, n); }});
   watch_ = CouplingWatch(s.bound, s.eps_min);
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();

@@ -24,4 +24,9 @@ FixPropertyAtom* keep_with_particles(LAMMPS& lammps, const std::string& name, in
   return made;
 }
 
+double* particle_property(LAMMPS& lammps, const std::string& name) {
+  Fix* fix = lammps.modify->find_fix_property(name.c_str(), "property/atom", "scalar", 0, 0, "twogrid", false);
+  return fix ? static_cast<FixPropertyAtom*>(fix)->vector_atom : nullptr;
+}
+
 }  // namespace twogrid

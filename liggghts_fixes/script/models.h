@@ -4,14 +4,11 @@
 // file of its own in models/. To add one: those two files, that member, its line in models.cpp, and the README.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "liggghts_fixes/script/keywords.h"
-
-namespace LAMMPS_NS {
-class LAMMPS;
-}
 
 namespace twogrid {
 
@@ -20,10 +17,11 @@ class FluidSolver;
 
 /// Where a model comes in.
 struct ModelSite {
-  LAMMPS_NS::LAMMPS& lammps;
   const Script& script;
   FluidSolver& fluid;
   Coupling& coupling;
+  /// Values a particle of `fix property/atom` of this name and one column, as they lie now; null: there is none.
+  std::function<double*(const std::string& name)> particle_property;
 };
 
 struct Model {

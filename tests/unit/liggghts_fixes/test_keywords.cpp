@@ -98,6 +98,9 @@ TEST(Keywords, EachRowPrintsWhatTheScriptGave) {
   }
   std::size_t printed_rows = 0;
   for (const Keyword& k : fix_modify_keywords()) printed_rows += k.value != nullptr;
+  for (const Model& m : models())  // those of a model are for its own test, but for the first
+    if (m.name != "gap")
+      for (const Keyword& k : m.keywords) printed_rows -= k.value != nullptr;
   EXPECT_EQ(given.size(), printed_rows) << "a row that this test doesn't know";
 }
 
@@ -131,7 +134,7 @@ TEST(Models, KeywordsOfAModelMayFollowItsName) {
     }
     return std::string();
   };
-  for (const Model& m : models()) EXPECT_NE(sentence("model heat on").find(m.name), std::string::npos);
+  for (const Model& m : models()) EXPECT_NE(sentence("model nothing on").find(m.name), std::string::npos);
   EXPECT_NE(sentence("model").find("end of the line"), std::string::npos);
   EXPECT_NE(sentence("model gap").find("wanted friction"), std::string::npos);
   EXPECT_NE(sentence("model gap width 3").find("width, wanted friction"), std::string::npos);

@@ -1,0 +1,28 @@
+#include "coupling/report.h"
+
+namespace twogrid {
+
+void Report::take(const CouplingState& state, const Census& census, const Ledger::Balance& balance, double vanished) {
+  solid_volume_error = balance.volume_error;
+  volume_inserted = balance.inserted_volume;
+  volume_vanished = vanished;
+  particles = census.particles;
+  solid_volume = state.known_volume;
+  inserted_total = state.inserted, vanished_total = state.vanished, grown_total = state.all_grown;
+  volume_moved = state.deposit.volume_moved, volume_unplaced = state.deposit.volume_unplaced;
+  max_drag_number = state.drag_number;
+  holding_flux = state.holding;
+  pressure_force = state.step.pressure_force;
+}
+
+void Report::take(const FluidReport& fluid, double time, long long steps) {
+  fluid_time = time;
+  fluid_dt = fluid.dt;
+  cfl = fluid.cfl;
+  pressure_drop = fluid.pressure_drop;
+  divergence_error = fluid.divergence_error;
+  pressure_iterations = fluid.pressure_iterations;
+  fluid_steps = steps;
+}
+
+}  // namespace twogrid
