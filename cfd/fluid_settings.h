@@ -8,6 +8,7 @@
 
 #include "cfd/grid/box.h"
 #include "cfd/grid/grid.h"
+#include "cfd/measures/open_shares.h"
 
 namespace twogrid {
 
@@ -67,6 +68,7 @@ struct FluidSettings {
   Convection convection = Convection::kVanLeer;
   Choice implicit_viscosity = Choice::kAuto;
   bool gap_friction = false;    ///< one-cell-deep scenes: -12 mu u / W^2
+  OpenSpaceModel open_space;    ///< vessels and bodies inside the grid; empty: there are none
   double pressure_rtol = 1e-6;  ///< continuity error wanted, relative to U/h; also -fluid_pressure_rtol
   /// Central convection damps nothing: extrapolated in time it grows above a Courant number of 0.67 (in theory;
   /// tests/verification/test_central.cpp measures 0.60 to 0.65).

@@ -36,6 +36,7 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
   if (settings_.convection == Convection::kCentral) reset(state_.u_older, domain_.local);
   for (auto& level : state_.eps) level.reset(domain_.local, 1.0);
   for (auto* c : {&state_.p, &state_.phi}) c->reset(domain_.local);
+  if (domain_.measures.open()) reset(state_.i_f, domain_.local), state_.eps_open.reset(domain_.local, 1.0);
   state_.imposed = settings_.pressure_gradient;
 }
 
@@ -143,6 +144,7 @@ void FluidSolver::start(const CellField<FineGrid>& eps) {
   state_.time = 0;
   state_.dt_previous = state_.dt_older = 0;
   copy(eps, state_.eps[0], domain_.local);
+  take_open_part(domain_, state_.eps[0], &state_.eps_open);
   set_face_eps(domain_, state_);
   state_.eps[1] = state_.eps[0];
   state_.p.fill(0);
@@ -179,6 +181,8 @@ void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const Cel
   domain_.fill(state_.p);
   copy(eps, state_.eps[0], domain_.local);
   copy(eps_previous, state_.eps[1], domain_.local);
+  take_open_part(domain_, state_.eps[0], &state_.eps_open);
+  take_open_part(domain_, state_.eps[1], nullptr);
   set_face_eps(domain_, state_);
 }
 

@@ -59,12 +59,15 @@ class FluidSolver : public Fluid {
   const FaceField<FineGrid>& mean_pressure_gradient() const override { return state_.mean_grad_p; }
   void keep_pressure_gradient() override { means_.keep_pressure_gradient = true; }
   const CellField<FineGrid>& pressure() const override { return state_.p; }
-  const CellField<FineGrid>& void_fraction() const override { return state_.eps[0]; }
+  const CellField<FineGrid>& void_fraction() const override {
+    return domain_.measures.open() ? state_.eps_open : state_.eps[0];
+  }
+  const OpenShares* open_shares() const override { return domain_.measures.open(); }
   double time() const override { return state_.time; }
   bool knows_last_step() const override { return true; }
   double flux(int d, int i, int j, int k) const override { return state_.eps_f[d](i, j, k) * state_.u[d](i, j, k); }
   double void_fraction_rate(int i, int j, int k) const override {
-    return state_.rate.at(state_.eps, state_.p.index(i, j, k));
+    return state_.rate.at(state_.eps, state_.p.index(i, j, k), domain_.measures.open_share(i, j, k));
   }
 
   void start(const CellField<FineGrid>& eps) override;

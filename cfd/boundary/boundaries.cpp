@@ -136,7 +136,7 @@ void Boundaries::normalise_parabolas(MPI_Comm comm, SideData& s, int side) {
   for_each_face(side, [&](int, int i, int j, int k) {
     const Int3 q{i, j, k};
     const int m = s.at(q[s.e], q[s.f]);
-    const double A = grid_.area(s.d, i, j, k);
+    const double A = open_area(s.d, i, j, k);
     sum[2 * s.condition[m]] += s.profile[m] * A;
     sum[2 * s.condition[m] + 1] += A;
   });
@@ -146,6 +146,27 @@ void Boundaries::normalise_parabolas(MPI_Comm comm, SideData& s, int side) {
     if (conditions[c].profile.shape == InletProfile::Shape::kParabolic && sum[2 * c] != 0)
       s.profile[m] *= sum[2 * c + 1] / sum[2 * c];
   }
+}
+
+double Boundaries::open_area(int d, int i, int j, int k) const {
+  const double A = grid_.area(d, i, j, k);
+  return shares_ ? A * shares_->alpha(d, state_[d].index(i, j, k)) : A;
+}
+
+void Boundaries::close_faces(MPI_Comm comm, const OpenShares& open) {
+  shares_ = &open;
+  int outlets = 0;
+  for (int d = 0; d < 3; ++d)
+    for (std::ptrdiff_t m : open.closed(d)) state_[d].data()[m] = FaceState::kFixed;
+  for (int side = 0; side < 6; ++side) {
+    normalise_parabolas(comm, side_[side], side);
+    for_each_face(side,
+                  [&](int, int i, int j, int k) { outlets += state_[side_[side].d](i, j, k) == FaceState::kSolved; });
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &outlets, 1, MPI_INT, MPI_SUM, comm);
+  open_ = outlets > 0;
+  known_ = false;
+  update();
 }
 
 void Boundaries::update() {
@@ -219,6 +240,9 @@ void Boundaries::apply_normal(FaceField<FineGrid>& u, bool homogeneous) const {
       if (!s.outlet[m]) v[in + to_face] = on * s.normal[m];
     });
   }
+  if (!shares_) return;
+  for (int d = 0; d < 3; ++d)
+    for (std::ptrdiff_t m : shares_->closed(d)) u[d].data()[m] = 0;
 }
 
 void Boundaries::apply(FaceField<FineGrid>& u, bool homogeneous) const {
@@ -293,7 +317,8 @@ void Boundaries::apply_face_eps(FaceField<FineGrid>& eps_f) const {
         if (settings_.side[side][s.condition[s.at(a, b)]].kind != BoundaryKind::kInlet) continue;
         Int3 c;
         c[s.d] = s.face, c[s.e] = a, c[s.f] = b;
-        eps_f[s.d](c[0], c[1], c[2]) = 1.0;
+        const double open = shares_ ? shares_->theta_f()[s.d](c[0], c[1], c[2]) : 1.0;
+        if (open > 0) eps_f[s.d](c[0], c[1], c[2]) = open;
       }
   }
 }
@@ -316,7 +341,7 @@ std::vector<PatchArea> Boundaries::areas(MPI_Comm comm) const {
         const Int3 q{i, j, k};
         const int m = s.at(q[s.e], q[s.f]);
         if (s.condition[m] != c) return;
-        const double A = grid_.area(s.d, i, j, k);
+        const double A = open_area(s.d, i, j, k);
         area += A;
         flux += s.step * s.normal[m] * A;
       });

@@ -11,6 +11,7 @@
 #include "cfd/fluid_settings.h"
 #include "cfd/grid/field.h"
 #include "cfd/grid/layout.h"
+#include "cfd/measures/open_shares.h"
 
 namespace twogrid {
 
@@ -37,6 +38,9 @@ class Boundaries {
   /// The rank's own cells and the halo: the box of all fields.
   const Box& local() const { return local_; }
 
+  /// Closed faces become prescribed ones with u = 0, inside the domain too; of the sides' faces only the open part
+  /// counts. The shares must outlive this. Collective.
+  void close_faces(MPI_Comm comm, const OpenShares& open);
   /// Takes the inlet velocities that hold now (settings' velocity_now). Same on all ranks.
   void update();
   /// Sets prescribed normal velocities and fills ghosts of all components; the halo between ranks must be filled.
@@ -52,7 +56,7 @@ class Boundaries {
   void apply_pressure(CellField<FineGrid>& p) const;
   /// The same for a correction phi: zero in an outlet's ghost, which stands for the face itself (half the distance).
   void apply_correction(CellField<FineGrid>& phi) const;
-  /// eps on faces: sets prescribed inflow faces to 1 (an empty duct in front of them).
+  /// eps on faces: sets prescribed inflow faces to 1 (an empty duct in front of them), times theta_f.
   void apply_face_eps(FaceField<FineGrid>& eps_f) const;
   /// Kind of the condition at a boundary face of a side (transverse indices from the cell index).
   BoundaryKind kind(int side, int i, int j, int k) const;
@@ -85,6 +89,7 @@ class Boundaries {
   /// Scales parabolic profiles so that the faces of a patch, not its drawn outline, carry the given mean. Collective.
   void normalise_parabolas(MPI_Comm comm, SideData& s, int side);
   void set_tangential(SideData& s, int side);
+  double open_area(int d, int i, int j, int k) const;
 
   const FineGrid& grid_;
   const FluidSettings& settings_;
@@ -95,6 +100,7 @@ class Boundaries {
   std::array<bool, 3> solved_{true, true, true};
   std::array<std::vector<Vec3>, 6> velocity_;  // of every condition, now
   bool open_ = false, known_ = false;
+  const OpenShares* shares_ = nullptr;
 };
 
 template <class F>

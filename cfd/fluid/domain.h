@@ -25,7 +25,7 @@ struct FluidDomain {
   const Box local;                 ///< of all fields: own cells and halo
   const std::array<Box, 3> faces;  ///< own faces
   const std::array<bool, 3> solved;
-  const GridMeasures measures;
+  GridMeasures measures;
   const BlockExchange cell_halo;
   const FaceExchange face_halo;
 
@@ -34,12 +34,15 @@ struct FluidDomain {
   void fill(CellField<FineGrid>& c) const;
   /// Halo, and beyond the domain's sides the value of the cell at the side. Collective.
   void extend(CellField<FineGrid>& c) const;
-  double volume() const;  ///< of the whole domain, m3
+  double volume() const;  ///< of the whole domain, its open part, m3
   double cells() const;   ///< of the whole domain, number
   /// True where the side or one of its patches is of the kind.
   bool has(int side, BoundaryKind kind) const;
 
  private:
+  void make_open_shares();
+  void extend_faces(FaceField<FineGrid>& f) const;
+
   const FluidSettings& settings_;
 };
 

@@ -8,6 +8,7 @@
 #include "cfd/grid/grid.h"
 #include "cfd/grid/layout.h"
 #include "cfd/grid/void_fraction.h"
+#include "cfd/measures/open_shares.h"
 
 namespace twogrid {
 
@@ -89,6 +90,8 @@ class Fluid {
   static constexpr int kHalo = 2;
   /// State of each own face of direction d and of its halo.
   virtual const Array3<FaceState>& face_state(int d) const = 0;
+  /// Open shares of its faces and cells, from the beginning; null: all is open.
+  virtual const OpenShares* open_shares() const { return nullptr; }
   /// u (interstitial, m/s) now; halo filled across ranks and periodic sides.
   virtual const FaceField<FineGrid>& velocity() const = 0;
   /// Mean of u over the last interval, as the implicit drag saw it, on all faces of own cells.
@@ -99,7 +102,7 @@ class Fluid {
   /// From the next interval on the mean of grad p is wanted.
   virtual void keep_pressure_gradient() {}
   virtual const CellField<FineGrid>& pressure() const = 0;
-  virtual const CellField<FineGrid>& void_fraction() const = 0;
+  virtual const CellField<FineGrid>& void_fraction() const = 0;  ///< of the open space
   virtual double time() const = 0;
   /// Those of models, for output and for what reads them.
   virtual const std::vector<ModelField>& model_fields() const {
@@ -107,7 +110,7 @@ class Fluid {
     return kNone;
   }
   /// True if flux(), eps u of own faces (m/s), and void_fraction_rate(), d(eps)/dt - q of own cells (1/s), are given as the
-  /// discrete continuity of the last step had them.
+  /// discrete continuity of the last step had them; with open shares both of the whole face and cell.
   virtual bool knows_last_step() const { return false; }
   virtual double flux(int, int, int, int) const { return 0; }
   virtual double void_fraction_rate(int, int, int) const { return 0; }

@@ -12,7 +12,7 @@ double Monitors::difference(const FluidState& state, const FluidState& other) co
   double sum[4] = {0, 0, 0, 0};  // (difference of eps u)^2, (eps u)^2; difference of grad p . grad p, (grad p)^2
   for (int d = 0; d < 3; ++d)
     for_each(domain_.faces[d], [&](int i, int j, int k) {
-      const double V = domain_.measures.volume(d, i, j, k);
+      const double V = domain_.measures.open_volume(d, i, j, k);
       const double u = state.eps_f[d](i, j, k) * state.u[d](i, j, k), g = state.mean_grad_p[d](i, j, k);
       const double du = u - other.eps_f[d](i, j, k) * other.u[d](i, j, k), dg = g - other.mean_grad_p[d](i, j, k);
       sum[0] += V * du * du, sum[1] += V * u * u;
@@ -30,7 +30,8 @@ TWOGRID_VECTORISED void Monitors::largest_imbalance(const FluidState& state, dou
   double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
   std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
   // h = cbrt(wx wy wz) of a cell: the factor along x is applied once, at the end.
-  for_each_row(domain_.own, state.p, [&](const Int3& q, std::ptrdiff_t m) {
+  const OpenShares* open = domain_.measures.open();
+  const auto add_row = [&](const Int3& q, std::ptrdiff_t m, auto excess) {
     const double* ix = &domain_.measures.axis(0).inverse_width_[q[0] - domain_.measures.axis(0).lo];
     const double wy = domain_.measures.axis(1).width(q[1]), wz = domain_.measures.axis(2).width(q[2]);
     const double iy = 1 / wy, iz = 1 / wz, area = wy * wz, h = std::cbrt(area);
@@ -39,13 +40,19 @@ TWOGRID_VECTORISED void Monitors::largest_imbalance(const FluidState& state, dou
     const double *e0 = state.eps[0].data() + m, *e1 = state.eps[1].data() + m, *e2 = state.eps[2].data() + m;
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
-      const double void_fraction_rate = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i] - rate.excess;
+      const double void_fraction_rate = rate.b0 * e0[i] + rate.b1 * e1[i] + rate.b2 * e2[i] - excess(i);
       const double r = (ex[i + 1] * ux[i + 1] - ex[i] * ux[i]) * ix[i] +
                        (ey[i + sy] * uy[i + sy] - ey[i] * uy[i]) * iy + (ez[i + sz] * uz[i + sz] - ez[i] * uz[i]) * iz +
                        void_fraction_rate;
       most[i] = std::max(most[i], std::abs(r) * h);
       total[i] += void_fraction_rate * area;
     }
+  };
+  for_each_row(domain_.own, state.p, [&](const Int3& q, std::ptrdiff_t m) {
+    if (open)
+      add_row(q, m, [excess = rate.excess, theta = open->theta().data() + m](int i) { return excess * theta[i]; });
+    else
+      add_row(q, m, [excess = rate.excess](int) { return excess; });
   });
   for (int i = 0; i < n; ++i) {
     const double w = domain_.measures.axis(0).width(domain_.own.lo[0] + i);
@@ -65,8 +72,8 @@ void Monitors::measure(const FluidState& state, double inlet_head, double share,
       continue;  // nothing passes a wall
     domain_.boundaries.for_each_face(side, [&](int, int i, int j, int k) {
       const int d = direction(side);
-      const double A = domain_.measures.area(d, i, j, k),
-                   flow = (is_high(side) ? -1 : 1) * (state.eps_f[d](i, j, k) * state.u[d](i, j, k)) * A;
+      const double whole = domain_.measures.area(d, i, j, k), A = domain_.measures.open_area(d, i, j, k),
+                   flow = (is_high(side) ? -1 : 1) * (state.eps_f[d](i, j, k) * state.u[d](i, j, k)) * whole;
       Int3 in{i, j, k};
       if (is_high(side)) --in[d];
       const BoundaryKind kind = domain_.boundaries.kind(side, i, j, k);
@@ -94,8 +101,8 @@ Vec3 Monitors::total_momentum(const FluidState& state) const {
   for (int d = 0; d < 3; ++d)
     for_each(domain_.faces[d], [&](int i, int j, int k) {
       if (domain_.boundaries.state(d)(i, j, k) == FaceState::kSolved)
-        sum[d] +=
-            settings_.density * state.eps_f[d](i, j, k) * state.u[d](i, j, k) * domain_.measures.volume(d, i, j, k);
+        sum[d] += settings_.density * state.inertia_share()[d](i, j, k) * state.u[d](i, j, k) *
+                  domain_.measures.volume(d, i, j, k);
     });
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, domain_.comm);
   return sum;
@@ -107,7 +114,7 @@ Vec3 Monitors::pending_momentum(const FluidState& state) const {
     for_each(domain_.faces[d], [&](int i, int j, int k) {
       if (domain_.boundaries.state(d)(i, j, k) == FaceState::kSolved)
         sum[d] += 0.5 * settings_.density * domain_.measures.volume(d, i, j, k) *
-                  (state.eps_f[d](i, j, k) * state.u[d](i, j, k) -
+                  (state.inertia_share()[d](i, j, k) * state.u[d](i, j, k) -
                    domain_.measures.face_mean(state.eps[1], d, i, j, k) * state.u_old[d](i, j, k));
     });
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, domain_.comm);

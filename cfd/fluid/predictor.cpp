@@ -70,19 +70,28 @@ inline void Predictor::predict_component(const FluidState& state, const Step& st
   const std::ptrdiff_t s = state.p.stride(d);
   const int n = domain_.faces[d].size(0);
   double* __restrict A = row_inertia_.data();
+  const FaceComponent<FineGrid>& inertia_share = state.inertia_share()[d];
+  const OpenShares* open = domain_.measures.open();
   for_each_row(domain_.faces[d], state.p, [&](const Int3& x, std::ptrdiff_t m) {
     const RowMeasure<d> row(domain_.measures, x);
     const auto share = along_row<d>(domain_.measures.axis(d).above_share_, x[d] - domain_.measures.axis(d).lo);
     const double *p = state.p.data() + m, *now = state.u[d].data() + m, *old = state.u_old[d].data() + m;
     const double *e1 = state.eps[1].data() + m, *e2 = state.eps[2].data() + m;
     double *o = rhs[d].data() + m, *next = u_next[d].data() + m;
+    if (open) {
+      const double* theta = open->theta_f()[d].data() + m;
 #pragma GCC ivdep
-    for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
+      for (int i = 0; i < n; ++i)
+        o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * (theta[i] * row.volume(i));
+    } else {
+#pragma GCC ivdep
+      for (int i = 0; i < n; ++i) o[i] -= ((p[i] - p[i - s]) * row.inverse_width[i] + imposed) * row.volume(i);
+    }
     if (const double* source = exchange.source_row(d, x[0], x[1], x[2], n, row_made_.data())) {
 #pragma GCC ivdep
       for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
     }
-    inertia_.row(state.eps_f[d].data() + m, exchange.beta_row(d, x[0], x[1], x[2], n, row_made_.data()), n, A);
+    inertia_.row(inertia_share.data() + m, exchange.beta_row(d, x[0], x[1], x[2], n, row_made_.data()), n, A);
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
       const double V = row.volume(i);

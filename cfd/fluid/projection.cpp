@@ -24,12 +24,17 @@ inline void Projection::conductance_component(const FluidState& state, const Ine
                                               const Interphase& exchange, FaceField<FineGrid>& conductance) {
   const int n = domain_.faces[d].size(0);
   double* __restrict A = row_a_.data();
+  const FaceComponent<FineGrid>& inertia_share = state.inertia_share()[d];
+  const OpenShares* open = domain_.measures.open();
   for_each_row(domain_.faces[d], state.p, [&](const Int3& x, std::ptrdiff_t m) {
     const RowMeasure<d> row(domain_.measures, x);
-    const double* e = state.eps_f[d].data() + m;
+    const double *e = state.eps_f[d].data() + m, *share = inertia_share.data() + m;
     double* __restrict g = conductance[d].data() + m;
-    inertia.row(e, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
+    inertia.row(share, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
     for (int i = 0; i < n; ++i) g[i] = e[i] / A[i] * row.area(i) * row.inverse_width[i];
+    if (!open) return;
+    const double* theta = open->theta_f()[d].data() + m;  // 0: closed
+    for (int i = 0; i < n; ++i) g[i] *= theta[i];
   });
 }
 
@@ -42,8 +47,8 @@ TWOGRID_VECTORISED void Projection::conductance_rows(const FluidState& state, co
   if (domain_.solved[2]) conductance_component<2>(state, inertia, exchange, conductance);
 }
 
-/// Conductance of faces: eps/A times area over the distance of the centres; half of it at an outlet, none through
-/// prescribed faces.
+/// Conductance of faces: eps/A times area over the distance of the centres (with open shares phi theta_f/A times the
+/// whole area); half of the distance at an outlet, none through prescribed faces.
 void Projection::set_conductance(const FluidState& state, const Inertia& inertia, const Interphase& exchange,
                                  FaceField<FineGrid>& conductance) {
   conductance_rows(state, inertia, exchange, conductance);
@@ -103,7 +108,8 @@ int Projection::project(FluidState& state, const Step& step, const Inertia& iner
     // A closed or periodic domain: what is left over is the round-off of the solid volume's conservation.
     state.rate.excess = whole / total_volume;
     for_each(domain_.own, [&](int i, int j, int k) {
-      imbalance_(i, j, k) -= state.rate.excess * domain_.measures.cell_volume(i, j, k);
+      imbalance_(i, j, k) -=
+          state.rate.excess * (domain_.measures.cell_volume(i, j, k) * domain_.measures.open_share(i, j, k));
     });
   }
   if (step.implicit_viscosity) divergence_ = imbalance_;
@@ -117,7 +123,10 @@ int Projection::project(FluidState& state, const Step& step, const Inertia& iner
   // First guess: the pressure goes on changing as in the last step.
   for (std::size_t m = 0; m < state.phi.size(); ++m) state.phi.data()[m] *= step.r;
   const int iterations = pressure_solver_->solve(imbalance_, state.phi, atol);
-  if (domain_.boundaries.open()) balance_outlets(sum, conductance, state.phi);
+  if (domain_.boundaries.open())
+    balance_outlets(sum, conductance, state.phi);
+  else if (domain_.measures.open())
+    centre_open_cells(state.phi);
   return iterations;
 }
 
@@ -140,7 +149,22 @@ void Projection::balance_outlets(double sum, const FaceField<FineGrid>& conducta
   for_each(domain_.own, [&](int i, int j, int k) { phi(i, j, k) += rise; });
 }
 
-/// u^{n+1} = u* - grad phi/A, with 1/A from the conductance: g = eps/A area/distance.
+/// A closed domain's phi, whose mean is free: zero over the open cells, and zero in closed ones. Collective.
+void Projection::centre_open_cells(CellField<FineGrid>& phi) const {
+  double sum = 0;
+  for_each(domain_.own, [&](int i, int j, int k) {
+    sum += phi(i, j, k) * (domain_.measures.cell_volume(i, j, k) * domain_.measures.open_share(i, j, k));
+  });
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, domain_.comm);
+  const double mean = sum / domain_.volume();
+  for_each(domain_.own, [&](int i, int j, int k) {
+    double& f = phi(i, j, k);
+    f = domain_.measures.open_share(i, j, k) > 0 ? f - mean : 0.0;
+  });
+}
+
+/// u^{n+1} = u* - grad phi/A, with 1/A from the conductance, g = eps/A area/distance. eps is that of the flux, and not
+/// zero at closed faces either (measures/open_shares.h).
 template <int d>
 inline void Projection::correct_component(const FluidState& state, const FaceField<FineGrid>& conductance,
                                           FaceField<FineGrid>& u_next) const {

@@ -43,6 +43,7 @@ class Projection {
                              FaceField<FineGrid>& conductance);
   void missing_continuity(const FluidState& state, const FaceField<FineGrid>& u_next, double& scale, double& sum);
   void balance_outlets(double sum, const FaceField<FineGrid>& conductance, CellField<FineGrid>& phi) const;
+  void centre_open_cells(CellField<FineGrid>& phi) const;
   void correct_rows(const FluidState& state, const FaceField<FineGrid>& conductance, FaceField<FineGrid>& u_next) const;
   template <int d>
   void correct_component(const FluidState& state, const FaceField<FineGrid>& conductance,

@@ -16,9 +16,19 @@ TWOGRID_VECTORISED void void_fraction_at(const VoidFractionInTime& eps, double s
 }  // namespace
 
 void set_face_eps(const FluidDomain& domain, FluidState& state) {
-  domain.measures.face_mean(state.eps[0], state.eps_f);
-  domain.boundaries.apply_face_eps(state.eps_f);
-  domain.face_halo.bring(state.eps_f);
+  const OpenShares* open = domain.measures.open();
+  FaceField<FineGrid>& i_f = open ? state.i_f : state.eps_f;
+  domain.measures.face_mean(state.eps[0], i_f);
+  domain.boundaries.apply_face_eps(i_f);
+  domain.face_halo.bring(i_f);
+  if (open) open->flux_share(i_f, state.eps_f);
+}
+
+void take_open_part(const FluidDomain& domain, CellField<FineGrid>& eps, CellField<FineGrid>* whole) {
+  const OpenShares* open = domain.measures.open();
+  if (!open) return;
+  if (whole) *whole = eps;
+  for (std::size_t m = 0; m < eps.size(); ++m) eps.data()[m] *= open->theta().data()[m];
 }
 
 void next_level(const FluidDomain& domain, const VoidFractionInTime& eps, double s, double interval,
@@ -32,6 +42,7 @@ void next_level(const FluidDomain& domain, const VoidFractionInTime& eps, double
       for (int j = domain.local.lo[1]; j < domain.local.hi[1]; ++j)
         void_fraction_at(eps, s, interval, eps.begin->index(domain.local.lo[0], j, k), domain.local.size(0),
                          state.eps[0].data() + state.eps[0].index(domain.local.lo[0], j, k));
+  take_open_part(domain, state.eps[0], &state.eps_open);
   set_face_eps(domain, state);
 }
 
@@ -39,7 +50,9 @@ void replace_fluid(const FluidDomain& domain, const CellField<FineGrid>& now, bo
   const auto by_eps = [&](bool times) {
     for (int d = 0; d < 3; ++d)
       for_each(domain.faces[d], [&](int i, int j, int k) {
-        const double now = state.eps_f[d](i, j, k), before = domain.measures.face_mean(state.eps[1], d, i, j, k);
+        const double now = state.inertia_share()[d](i, j, k),
+                     before = domain.measures.face_mean(state.eps[1], d, i, j, k);
+        if (!(before > 0)) return;  // between closed cells
         state.u[d](i, j, k) *= times ? now : 1 / now;
         state.u_old[d](i, j, k) *= times ? before : 1 / before;
       });
@@ -48,10 +61,12 @@ void replace_fluid(const FluidDomain& domain, const CellField<FineGrid>& now, bo
   for_each(domain.local, [&](int i, int j, int k) {
     const std::ptrdiff_t m = state.p.index(i, j, k);
     double &e0 = state.eps[0].data()[m], &e1 = state.eps[1].data()[m];
-    const double change = now(i, j, k) - e0;
-    e0 = now(i, j, k);
+    const double eps = now(i, j, k) * domain.measures.open_share(i, j, k), change = eps - e0;
+    e0 = eps;
     e1 = std::max(e1 + change, 0.5 * std::min(e1, e0));
   });
+  if (state.eps_open.size() > 0)
+    for_each(domain.local, [&](int i, int j, int k) { state.eps_open(i, j, k) = now(i, j, k); });
   set_face_eps(domain, state);
   if (!same_flux) return;
   by_eps(false);

@@ -7,6 +7,8 @@
 
 namespace twogrid {
 
+/// With open shares: keeps eps in `whole` (null: nowhere) and makes it theta eps, as the levels have it.
+void take_open_part(const FluidDomain& domain, CellField<FineGrid>& eps, CellField<FineGrid>* whole);
 /// eps on the faces from that of the cells, halo filled. Collective.
 void set_face_eps(const FluidDomain& domain, FluidState& state);
 /// eps at fraction s of the interval becomes the newest level. Collective.

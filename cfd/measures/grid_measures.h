@@ -1,13 +1,16 @@
 // Widths, areas and volumes of the rank's part of the staggered grid, halo included, and means from cells to faces. The
 // volume of face f normal to c reaches from the centre of cell f-1 to that of cell f; at a pressure outlet only the half
-// inside the domain counts. Rows of them: row_measures.h.
+// inside the domain counts. Rows of them: row_measures.h. Areas and volumes are the grid's; what of them is open, where
+// bodies stand in the grid: open() (open_shares.h).
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "cfd/grid/field.h"
 #include "cfd/grid/grid.h"
+#include "cfd/measures/open_shares.h"
 
 namespace twogrid {
 
@@ -29,6 +32,9 @@ class GridMeasures {
   GridMeasures(const FineGrid& grid, const Box& own, const Box& local);
 
   const AxisMeasure& axis(int d) const { return axis_[d]; }
+  /// Open shares of faces and cells; null: all is open.
+  const OpenShares* open() const { return open_.get(); }
+  void set_open(std::unique_ptr<const OpenShares> open) { open_ = std::move(open); }
   /// Area of face (i,j,k) normal to d, m2; volume of cell (i,j,k), m3.
   double area(int d, int i, int j, int k) const {
     const Int3 q{i, j, k};
@@ -41,6 +47,16 @@ class GridMeasures {
     const Int3 q{i, j, k};
     const int e = (c + 1) % 3, f = (c + 2) % 3;
     return (axis_[c].half_below(q[c]) + axis_[c].half_above(q[c])) * axis_[e].width(q[e]) * axis_[f].width(q[f]);
+  }
+  /// The open parts of a face's area, of a cell's volume's share, and of a face's volume (0 of closed faces).
+  double open_area(int d, int i, int j, int k) const {
+    const double whole = area(d, i, j, k);
+    return open_ ? whole * open_->alpha(d, open_->theta().index(i, j, k)) : whole;
+  }
+  double open_share(int i, int j, int k) const { return open_ ? open_->theta()(i, j, k) : 1.0; }
+  double open_volume(int c, int i, int j, int k) const {
+    const double whole = volume(c, i, j, k);
+    return open_ ? whole * open_->theta_f()[c](i, j, k) : whole;
   }
   /// eps on faces: volume-weighted arithmetic mean of the two cells, so that sums over cells and faces agree.
   void face_mean(const CellField<FineGrid>& eps, FaceField<FineGrid>& eps_f) const;
@@ -55,6 +71,7 @@ class GridMeasures {
   bool empty_;
   Box local_;
   std::array<AxisMeasure, 3> axis_;
+  std::unique_ptr<const OpenShares> open_;
 };
 
 }  // namespace twogrid

@@ -68,6 +68,7 @@ inline void ViscousTerm::shear_stress(const Mu& mu, const CellField<FineGrid>& e
   constexpr int a = (t + 1) % 3, b = (t + 2) % 3;
   const AxisMeasure &aa = axis_[a], &ab = axis_[b];
   const int around = local_.size(1) > own_.size(1) ? 1 : 0, n = own_.size(0) + 1;
+  const OpenShares* open = measures_.open();
   const std::ptrdiff_t sa = eps.stride(a), sb = eps.stride(b), slab = eps.index(local_.lo[0], local_.lo[1], k);
   for (int j = own_.lo[1]; j < own_.hi[1] + around; ++j) {
     const std::ptrdiff_t m = eps.index(own_.lo[0], j, k);
@@ -84,6 +85,9 @@ inline void ViscousTerm::shear_stress(const Mu& mu, const CellField<FineGrid>& e
       q[i] = mu.on_edge(m + i, sa, sb, ha[i], hb[i]) * (low + hb[i] * (high - low)) *
              ((ua[i] - ua[i - sb]) * ib[i] + (ub[i] - ub[i - sa]) * ia[i]);
     }
+    if (!open) continue;
+    const double* share = open->edge(t).data() + m;
+    for (int i = 0; i < n; ++i) q[i] *= share[i];
   }
 }
 

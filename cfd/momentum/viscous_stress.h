@@ -1,5 +1,6 @@
 // Viscous stress in the momentum balance: div(eps tau), tau = mu (grad u + grad u^T - 2/3 div u I), on the staggered
-// volumes (cfd/measures/grid_measures.h).
+// volumes (cfd/measures/grid_measures.h). With open shares eps is that of the whole cell, theta eps, and edges at closed
+// faces carry no stress: a body's friction comes with its OpenSpace.
 #pragma once
 
 #include <array>

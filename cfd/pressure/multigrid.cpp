@@ -57,6 +57,9 @@ class Multigrid<T>::Coarsest {
     double scale = 0;
     for (int c = 0; c < total_; ++c) scale = std::max(scale, all_[4 * c + 3]);
     if (scale == 0) scale = 1;
+    closed_.clear();
+    for (int c = 0; c < total_; ++c)
+      if (!(all_[4 * c + 3] > 0)) closed_.push_back(c);
     entry_.clear();
     for (int c = 0; c < total_; ++c) {
       const double* g = &all_[4 * c];
@@ -76,14 +79,24 @@ class Multigrid<T>::Coarsest {
     double* out = mine_.data();
     for_each(l.own, [&](int i, int j, int k) { *out++ = double(l.b(i, j, k)); });
     gather(mine_.data(), count_, first_, rhs_.data());
-    if (singular_) rhs_.array() -= rhs_.mean();
+    if (singular_) take_mean_out(rhs_);
     solution_ = factor_.solve(rhs_);
-    if (singular_) solution_.array() -= solution_.mean();
+    if (singular_) take_mean_out(solution_);
     int m = first_[rank_];
     for_each(l.own, [&](int i, int j, int k) { l.x(i, j, k) = T(solution_[m++]); });
   }
 
  private:
+  /// Of the cells that have a neighbour; the others get zero.
+  void take_mean_out(Eigen::VectorXd& v) const {
+    if (closed_.empty()) {
+      v.array() -= v.mean();
+      return;
+    }
+    for (int c : closed_) v[c] = 0;
+    v.array() -= v.sum() / std::max(1, total_ - int(closed_.size()));
+    for (int c : closed_) v[c] = 0;
+  }
   void gather(const double* own, const std::vector<int>& count, const std::vector<int>& first, double* all) const {
     MPI_Allgatherv(own, count[rank_], MPI_DOUBLE, all, count.data(), first.data(), MPI_DOUBLE, comm_);
   }
@@ -92,6 +105,7 @@ class Multigrid<T>::Coarsest {
   int rank_ = 0, total_ = 0;
   bool singular_ = false, analysed_ = false;
   std::vector<int> first_, count_, first4_, count4_;  // cells of each rank, and four values for each
+  std::vector<int> closed_;                           // cells without any conductance: bodies
   std::vector<int> neighbour_;                        // cell number beyond each cell's three low faces, or -1
   std::vector<double> mine_, all_;
   std::vector<Eigen::Triplet<double>> entry_;

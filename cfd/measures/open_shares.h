@@ -1,0 +1,76 @@
+// Vessels and bodies inside the grid: which share of each face and of each cell is open to the fluid. Where nothing
+// stands in the way there is no such object, and nothing is multiplied by it.
+//
+// With theta_f the mean of the two cells' theta by volume, as eps_f is that of eps, and the levels holding e = theta eps:
+//   inertia share  i_f = mean of e                     what of the face's volume V_f is fluid
+//   flux share     phi_f = (alpha/theta_f) i_f         F = phi u A, A the whole face's area
+//   pressure       theta_f V_f (grad p + G): of the open part of the volume
+//   edges          eps times the smaller of the two links' open shares
+// so that continuity, history and inertia keep their formulas. A closed face (alpha = 0) is a prescribed one with u = 0;
+// its i_f and phi_f are eps of the open cells beside it, and never 0: what is divided by them stays finite.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "cfd/grid/field.h"
+#include "cfd/grid/grid.h"
+
+namespace twogrid {
+
+class GridMeasures;
+
+/// The shares as they are given.
+struct OpenSpace {
+  FaceField<FineGrid> alpha;  ///< open share of the area of own faces, 0 to 1
+  CellField<FineGrid> theta;  ///< open share of the volume of own cells; above 0 beside every face that is open at all
+  /// K' of own faces (1/m2): friction -mu K' i_f u per volume, of walls that no side of the domain stands for. Of size 0
+  /// where there is none.
+  FaceField<FineGrid> friction;
+};
+
+/// Fills the shares of the rank's own faces and cells, in which on entry all is open and there is no friction. Called
+/// once, on all ranks.
+using OpenSpaceModel = std::function<void(const FineGrid&, OpenSpace&)>;
+
+class OpenShares {
+ public:
+  /// Fields on own cells and halo, halo and ghosts filled; theta_f: the mean of theta. volume: of the whole domain's open
+  /// part (m3).
+  OpenShares(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha,
+             CellField<FineGrid> theta, FaceField<FineGrid> theta_f, FaceField<FineGrid> friction, double volume);
+
+  /// Open share of cells; own cells, halo, ghosts.
+  const CellField<FineGrid>& theta() const { return theta_; }
+  /// theta_f of faces that are open at all, 0 of closed ones.
+  const FaceField<FineGrid>& theta_f() const { return theta_f_; }
+  /// alpha/theta_f, 0 of closed faces.
+  const FaceField<FineGrid>& ratio() const { return ratio_; }
+  /// alpha of a face by memory index.
+  double alpha(int d, std::ptrdiff_t m) const { return ratio_[d].data()[m] * theta_f_[d].data()[m]; }
+  /// Factor from the mean of e over an edge's four cells to eps times the edge's open share; edge along t at the low
+  /// corner of the cell.
+  const CellField<FineGrid>& edge(int t) const { return edge_[t]; }
+  bool has_friction() const { return friction_[0].size() + friction_[1].size() + friction_[2].size() > 0; }
+  /// K' of own faces.
+  const FaceField<FineGrid>& friction() const { return friction_; }
+  /// Memory indices of closed faces, halo included.
+  const std::vector<std::ptrdiff_t>& closed(int d) const { return closed_[d]; }
+  double volume() const { return volume_; }
+
+  /// phi_f from i_f, which is the mean of e; both get what closed faces have.
+  void flux_share(FaceField<FineGrid>& i_f, FaceField<FineGrid>& phi_f) const;
+
+ private:
+  void set_edges(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha);
+
+  CellField<FineGrid> theta_;
+  FaceField<FineGrid> theta_f_, ratio_, friction_;
+  std::array<CellField<FineGrid>, 3> edge_;
+  std::array<std::vector<std::ptrdiff_t>, 3> closed_;
+  std::array<std::vector<double>, 3> open_beside_;  // of closed faces: 1/theta_f, 0 where no open cell is beside
+  double volume_;
+};
+
+}  // namespace twogrid
