@@ -1,18 +1,17 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Breaks the code, one line at a time, and notes which test sees it.
 
     run.py --check              each mutation's text stands exactly once in the sources
-    run.py --clean              the tests pass without a mutation
+    run.py --clean              the tests pass without a mutation; says what each of them costs
     run.py                      the mutations that results.csv lacks
-    run.py --long               those that nobody has noticed, against the long tests too
-    run.py --again --only TEXT  mutations whose name or file holds TEXT, once more
-    run.py --build 20           builds the next 20, while ...
-    run.py --test               ... one or more of these test what is built
+    run.py --long               those that nobody has noticed, against the long tests
+    run.py --again --only WHAT  mutations whose name or file has the regular expression WHAT, once more
     run.py --table              the table of README.md from results.csv
 
 Each mutation is made in a git worktree of its own and built in a folder of its own (--scratch), so neither the sources
-nor build/ are touched. The tests go from the quick to the slow; the first that fails ends the mutation. cmake takes what
-it wants to know from the environment, for instance CMAKE_CXX_COMPILER_LAUNCHER=ccache, CMAKE_GENERATOR=Ninja, CXX.
+nor build/ are touched. Only what the next tests need is built; the likeliest and quickest tests come first, and the first
+that fails ends the mutation. cmake takes what it wants to know from the environment, for instance
+CMAKE_CXX_COMPILER_LAUNCHER=ccache, CMAKE_GENERATOR=Ninja, CMAKE_BUILD_PARALLEL_LEVEL, CXX.
 """
 import argparse
 import csv
@@ -20,7 +19,6 @@ import datetime
 import fcntl
 import os
 import re
-import shutil
 import subprocess
 import sys
 import time
@@ -31,21 +29,34 @@ LIST, RESULTS, README = (os.path.join(HERE, f) for f in ("mutations.txt", "resul
 COLUMNS = ["mutation", "kind", "file", "noticed by", "date", "commit"]
 UNNOTICED = "nobody"
 LIMIT = 90  # s; a unit test that takes longer than this has noticed that something is wrong
+SLOW = 600  # s; the same for a filter of the verification tests
 
-# What is built, and the tests that are then run, in this order, until one fails.
-UNIT = [("unit_tests", ["^unit/(cfd|coupling)/.*_np1$", "^unit/(cfd|coupling)/.*_np2$"])]
-VERIFICATION = [("verification_tests", ["^verification_np1$", "^verification_flows_np2$"])]
+MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
+          "--mca", "btl_base_warn_component_unused", "0", "--mca", "btl", "self,vader"]
+
+# The tests of a file's mutations, in this order, until one fails: those of the longest beginning of its path. A target,
+# then what it is needed for: patterns of ctest's names, or for verification_tests the ranks and filters of GoogleTest.
+FAST = "-Cavity.*:Central.*:StretchedGrid.*:Manufactured.*:UniformFlow.*:VoidFractionJump.*:ViscosityField.*"
+FLOWS = [("verification_tests", ["1 " + FAST, "2 " + FAST, "1 VoidFractionJump.*:ViscosityField.*",
+                                 "1 UniformFlow.*:StretchedGrid.*", "1 Central.*:Cavity.Reynolds100",
+                                 "2 VoidFractionJump.*:UniformFlow.Carries*"])]
+ORDERS = [("verification_tests", ["1 Manufactured.*-*FineGrids*"])]
+CFD = [("unit_tests", ["^unit/cfd/.*_np1$", "^unit/cfd/.*_np2$"])] + FLOWS
+COUPLING = [("unit_tests", ["^unit/coupling/.*_np1$", "^unit/coupling/.*_np2$"])]
+FIXES = [("unit_tests", ["^unit/liggghts_fixes/.*_np1$"])]
+# System tests, by what they cost.
+QUICK = ["^(fixed_particles|come_and_go|action_reaction|watched_drag|held|outlets)$"]
+BALANCES = ["^(between_runs|overfull|bed_end|mixtures|accuracy)$", "^(momentum|continuity)$"]
 STAGES = {
-    "cfd": UNIT + [("twogrid", ["^(come_and_go|action_reaction)$", "^(outlets|momentum|continuity)$"])] + VERIFICATION,
-    "coupling": UNIT + [("twogrid", ["^(fixed_particles|come_and_go|action_reaction|watched_drag|held)$",
-                                     "^(between_runs|overfull|accuracy|bed_end|mixtures)$",
-                                     "^(momentum|continuity)$"])],
-    "liggghts_fixes": [("unit_tests", ["^unit/liggghts_fixes/.*_np1$"]),
-                       ("twogrid", ["^(scripts|fixed_particles|come_and_go|action_reaction|held|skin|between_runs)$",
-                                    "^(momentum|continuity|restart|balance)$", "^same_bits$"])],
+    "cfd/": CFD + [("twogrid", QUICK)] + ORDERS + [("twogrid", BALANCES)],
+    "cfd/parallel/": CFD[:1] + COUPLING + FLOWS + [("twogrid", QUICK + BALANCES)],
+    "coupling/": COUPLING + [("twogrid", QUICK + BALANCES)],
+    "liggghts_fixes/": FIXES + [("twogrid", QUICK + ["^(scripts|skin|balance|restart)$", "^same_bits$"] + BALANCES)],
+    "liggghts_fixes/contacts/": [("twogrid", ["^same_bits$", "^skin$"] + QUICK + BALANCES)],
 }
 LONG = [("twogrid", ["^(fixed_bed|ranks|mirror|same_bits|methods|bed_balance|stiff_drag|periodic_settling|intervals)$",
-                     "^(script_commands|limits|corners|one_particle|settling|mueller_short|min_fluidisation|skin)$"])]
+                     "^(script_commands|limits|corners|one_particle|settling|mueller_short|min_fluidisation|skin)$",
+                     "^(scripts|balance|restart|rising_sphere|lattice_in_time|keywords)$"])]
 
 
 def read_list():
@@ -90,15 +101,13 @@ def run(command, **more):
 
 
 class Copy:
-    """A worktree at HEAD, its build folder, and the mutants that were built: a folder each, of the programs and of
-    ctest's lists, so that tests run while the next mutant is built."""
+    """A worktree of the sources and its build folder."""
 
     def __init__(self, scratch):
+        self.scratch = scratch
         self.source = os.path.join(scratch, "source")
         self.build = os.path.join(self.source, "build")
-        self.built, self.tested = os.path.join(scratch, "built"), os.path.join(scratch, "tested")
-        for folder in (self.built, self.tested):
-            os.makedirs(folder, exist_ok=True)
+        os.makedirs(scratch, exist_ok=True)
 
     @staticmethod
     def git(where, *words):
@@ -117,66 +126,76 @@ class Copy:
         done = run(["cmake", "-S", self.source, "-B", self.build, "-DCMAKE_BUILD_TYPE=Release"])
         if done.returncode:
             sys.exit(done.stdout)
+        # A unit test that hangs should not cost the minutes that its own limit allows.
+        path = os.path.join(self.build, "tests", "CTestTestfile.cmake")
+        lists = open(path).read()
+        open(path, "w").write(re.sub(r'(\(\[=\[unit/.*TIMEOUT) "\d+"', rf'\1 "{LIMIT}"', lists))
 
-    def make(self, mutation, stages):
-        """Builds a mutant; its folder, or None if it does not compile."""
-        path = find(mutation, self.source) if mutation else None
-        text = open(path).read() if path else ""
+    def make(self, target):
+        """What the compiler says if it refuses, else nothing."""
+        done = run(["cmake", "--build", self.build, "--target", target])
+        return done.stdout if done.returncode else ""
+
+    def noticed_by(self, stages, on=lambda what, seconds: None):
+        """The first test that fails, or UNNOTICED."""
+        for target, patterns in stages:
+            if refusal := self.make(target):
+                print(refusal[-2000:], flush=True)
+                return "the compiler"
+            for pattern in patterns:
+                begin = time.time()
+                failed = self.verify(*pattern.split()) if target == "verification_tests" else self.ctest(pattern)
+                on(pattern, time.time() - begin)
+                if failed:
+                    return failed
+        return UNNOTICED
+
+    def ctest(self, pattern):
+        done = run(["ctest", "--test-dir", self.build, "--stop-on-failure", "-j", "1", "-R", pattern])
+        failed = re.findall(r"^\s*\d+ - (\S+) \((?!Not Run)([^)]*)\)", done.stdout, re.M)
+        if failed:
+            return failed[0][0] + (" (time limit)" if failed[0][1] == "Timeout" else "")
+        if done.returncode or "No tests were found" in done.stdout:
+            sys.exit(f"ctest -R '{pattern}' ended with {done.returncode}:\n{done.stdout[-2000:]}")
+        return ""
+
+    def verify(self, ranks, tests):
+        """The verification test that fails, with the others of the filter behind it left out where one rank runs."""
+        program = [os.path.join(self.build, "tests", "verification_tests"), "--gtest_color=no",
+                   "--gtest_filter=" + tests]
+        # A rank that stopped at its own failure would leave the others waiting.
+        program += ["--gtest_fail_fast"] if ranks == "1" else []
+        name = f"verification/{tests} on {ranks}"
         try:
-            if path:
-                open(path, "w").write(text.replace(mutation["-"], mutation["+"]))
-            targets = sorted({target for target, _ in stages})
-            done = run(["cmake", "--build", self.build, "--target", *targets])
-        finally:
-            if path:
-                open(path, "w").write(text)
-        if done.returncode:
-            print(done.stdout[-2000:], flush=True)
-            return None
-        name = slug(mutation)
-        there, made = os.path.join(self.built, name), os.path.join(self.built, name + ".new")
-        for folder, _, names in os.walk(self.build):
-            to = os.path.normpath(os.path.join(made, os.path.relpath(folder, self.build)))
-            if "CTestTestfile.cmake" in names:
-                os.makedirs(to, exist_ok=True)
-                lists = open(os.path.join(folder, "CTestTestfile.cmake")).read()
-                # A unit test that hangs should not cost the minutes that its own limit allows.
-                lists = re.sub(r'(\(\[=\[unit/.*TIMEOUT) "\d+"', rf'\1 "{LIMIT}"', lists)
-                lists = lists.replace(self.build, os.path.join(self.tested, name))
-                open(os.path.join(to, "CTestTestfile.cmake"), "w").write(lists)
-                for target in targets:
-                    if target in names:
-                        shutil.copy2(os.path.join(folder, target), to)
-        open(os.path.join(made, "commit"), "w").write(self.commit)
-        shutil.rmtree(there, ignore_errors=True)
-        os.rename(made, there)
-        return there
-
-    def claim(self, mutation):
-        """The folder of a mutant that is built and that no other run tests, or None."""
-        there = os.path.join(self.tested, slug(mutation))
-        try:
-            os.rename(os.path.join(self.built, slug(mutation)), there)
-        except OSError:
-            return None
-        return there
+            done = run([*MPIRUN, "-np", ranks, *program], timeout=SLOW)
+        except subprocess.TimeoutExpired:
+            return name + " (time limit)"
+        if not done.returncode:
+            return ""
+        failed = re.findall(r"^\[  FAILED  \] (\S+) \(", done.stdout, re.M)
+        begun = re.findall(r"^\[ RUN      \] (\S+)", done.stdout, re.M)
+        if not begun:
+            sys.exit(f"{' '.join(program)} ended with {done.returncode}:\n{done.stdout[-2000:]}")
+        return f"verification/{(failed or begun[-1:])[0]} on {ranks}"
 
 
-def slug(mutation):
-    return re.sub(r"[^a-z0-9]+", "-", mutation["name"].lower()).strip("-") if mutation else "none"
+class Broken:
+    """The sources with a mutation, for as long as a with statement lasts."""
+
+    def __init__(self, mutation, root):
+        self.mutation, self.path = mutation, find(mutation, root)
+
+    def __enter__(self):
+        self.text = open(self.path).read()
+        open(self.path, "w").write(self.text.replace(self.mutation["-"], self.mutation["+"]))
+
+    def __exit__(self, *_):
+        open(self.path, "w").write(self.text)
 
 
-def noticed_by(folder, stages):
-    """The first test that fails, or UNNOTICED."""
-    for _, patterns in stages:
-        for pattern in patterns:
-            done = run(["ctest", "--test-dir", folder, "--stop-on-failure", "-j", "1", "-R", pattern])
-            failed = re.findall(r"^\s*\d+ - (\S+) \((?!Not Run)([^)]*)\)", done.stdout, re.M)
-            if failed:
-                return failed[0][0] + (" (time limit)" if failed[0][1] == "Timeout" else "")
-            if done.returncode:
-                sys.exit(f"ctest -R '{pattern}' ended with {done.returncode}:\n{done.stdout[-2000:]}")
-    return UNNOTICED
+def stages_of(file, long):
+    begins = [b for b in STAGES if file.startswith(b)]
+    return STAGES[max(begins, key=len)] if not long else LONG
 
 
 def results():
@@ -186,16 +205,18 @@ def results():
         return {row["mutation"]: row for row in csv.DictReader(f)}
 
 
-def keep(row):
+def keep(row, lock):
     """Adds a row, or replaces the one of that name; several runs may write at once."""
-    with open(RESULTS + ".lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    files = {m["name"]: m["file"] for m in read_list()}
+    with open(lock, "w") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
         rows = results()
         rows[row["mutation"]] = row
         with open(RESULTS + ".new", "w", newline="") as f:
             out = csv.DictWriter(f, COLUMNS, lineterminator="\n")
             out.writeheader()
-            out.writerows(rows.values())
+            # Files move; a row names the present one.
+            out.writerows({**r, "file": files.get(r["mutation"], r["file"])} for r in rows.values())
         os.replace(RESULTS + ".new", RESULTS)
 
 
@@ -215,14 +236,12 @@ def main():
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--check", action="store_true")
     words.add_argument("--table", action="store_true")
-    words.add_argument("--scratch", default=os.path.join(ROOT, "build-mutations"), help="folder of copies and builds")
+    words.add_argument("--scratch", default=os.path.join(ROOT, "build-mutations"), help="folder of the copy and its build")
     words.add_argument("--commit", default="HEAD", help="of the sources that are broken; HEAD by default")
-    words.add_argument("--only", default="", help="mutations whose name or file holds this text")
+    words.add_argument("--only", default="", help="mutations whose name or file has this regular expression")
     words.add_argument("--again", action="store_true", help="also those that have a result")
     words.add_argument("--long", action="store_true", help="those that nobody has noticed, with the long tests")
     words.add_argument("--clean", action="store_true", help="the tests without a mutation: all of them must pass")
-    words.add_argument("--build", type=int, default=0, metavar="N", help="only build, the next N")
-    words.add_argument("--test", action="store_true", help="only test what --build has built")
     said = words.parse_args()
     if said.table:
         return table()
@@ -242,53 +261,34 @@ def main():
     files = [m["file"] for m in mutations]
     mutations = [m for _, m in sorted(enumerate(mutations), key=lambda q: files[:q[0]].count(q[1]["file"]))]
     copy = Copy(os.path.abspath(said.scratch))
-    if not said.test:
-        copy.set_up(said.commit)
+    copy.set_up(said.commit)
     if said.clean:
-        everything = [stage for stages in STAGES.values() for stage in stages] + (LONG if said.long else [])
-        if not copy.make(None, everything) or not (folder := copy.claim(None)):
-            sys.exit("does not build")
-        print(f"without a mutation: noticed by {noticed_by(folder, everything)}", flush=True)
-        return shutil.rmtree(folder)
-    count = 0
+        every = []
+        for target in ("unit_tests", "verification_tests", "twogrid"):
+            patterns = [p for stages in (*STAGES.values(), LONG if said.long else []) for t, ps in stages if t == target
+                        for p in ps]
+            every.append((target, list(dict.fromkeys(patterns))))
+        by = copy.noticed_by(every, lambda what, seconds: print(f"{seconds:4.0f} s  {what}", flush=True))
+        sys.exit(f"noticed without a mutation: {by}" if by != UNNOTICED else 0)
     for m in mutations:
         known = results().get(m["name"])
         unseen = known and known["noticed by"] == UNNOTICED
-        if said.only not in m["name"] and said.only not in m["file"]:
-            continue
-        if not (said.again or (said.long and unseen) or not known):
-            continue
-        stages = STAGES[m["file"].split("/")[0]]
-        if said.long:
-            stages = LONG if unseen else stages + LONG
-        row = {"mutation": m["name"], "kind": m["kind"], "file": m["file"],
-               "date": datetime.date.today().isoformat()}
-        if not said.test:
-            if said.build and any(os.path.exists(os.path.join(d, slug(m))) for d in (copy.built, copy.tested)):
-                continue
-            try:
-                if not copy.make(m, stages):
-                    keep({**row, "noticed by": "the compiler", "commit": copy.commit[:12]})
-                    continue
-            except LookupError as e:
-                print(e, flush=True)
-                continue
-            count += 1
-            if said.build:
-                print(f"built: {m['name']}", flush=True)
-                if count == said.build:
-                    break
-                continue
-        folder = copy.claim(m)
-        if not folder:
+        wanted = not known or said.again or (said.long and unseen)
+        if not wanted or not re.search(said.only, m["name"] + "\n" + m["file"]):
             continue
         begin = time.time()
-        by = noticed_by(folder, stages)
-        if by == UNNOTICED and said.long:
+        try:
+            with Broken(m, copy.source):
+                by = copy.noticed_by(stages_of(m["file"], said.long and unseen))
+        except LookupError as e:
+            print(e, flush=True)
+            continue
+        if by == UNNOTICED and said.long and unseen:
             by += ", long tests included"
         print(f"{m['name']}: {by} ({time.time() - begin:.0f} s)", flush=True)
-        keep({**row, "noticed by": by, "commit": open(os.path.join(folder, "commit")).read()[:12]})
-        shutil.rmtree(folder)
+        row = {"mutation": m["name"], "kind": m["kind"], "file": m["file"], "noticed by": by,
+               "date": datetime.date.today().isoformat(), "commit": copy.commit[:12]}
+        keep(row, os.path.join(copy.scratch, "results.lock"))
 
 
 if __name__ == "__main__":
