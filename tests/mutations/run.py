@@ -4,6 +4,7 @@
     run.py --check              each mutation's text stands exactly once in the sources
     run.py --clean              the tests pass without a mutation; says what each of them costs
     run.py                      the mutations that results.csv lacks
+    run.py --first              only against the tests of a few seconds; those that nobody notices get no result
     run.py --long               those that nobody has noticed, against the long tests
     run.py --again --only WHAT  mutations whose name or file has the regular expression WHAT, once more
     run.py --table              the table of README.md from results.csv
@@ -179,6 +180,11 @@ class Copy:
         return f"verification/{(failed or begun[-1:])[0]} on {ranks}"
 
 
+def first(stages):
+    """Unit tests, and of the verification tests the first two filters."""
+    return [(t, p[:2]) for t, p in stages if t == "unit_tests" or (t == "verification_tests" and p[0].endswith(FAST))]
+
+
 class Broken:
     """The sources with a mutation, for as long as a with statement lasts."""
 
@@ -240,6 +246,7 @@ def main():
     words.add_argument("--commit", default="HEAD", help="of the sources that are broken; HEAD by default")
     words.add_argument("--only", default="", help="mutations whose name or file has this regular expression")
     words.add_argument("--again", action="store_true", help="also those that have a result")
+    words.add_argument("--first", action="store_true", help="only unit tests and quick verification tests")
     words.add_argument("--long", action="store_true", help="those that nobody has noticed, with the long tests")
     words.add_argument("--clean", action="store_true", help="the tests without a mutation: all of them must pass")
     said = words.parse_args()
@@ -277,15 +284,22 @@ def main():
         if not wanted or not re.search(said.only, m["name"] + "\n" + m["file"]):
             continue
         begin = time.time()
+        stages = stages_of(m["file"], said.long and unseen)
+        if said.first:
+            stages = first(stages)
+            if not stages:
+                continue
         try:
             with Broken(m, copy.source):
-                by = copy.noticed_by(stages_of(m["file"], said.long and unseen))
+                by = copy.noticed_by(stages)
         except LookupError as e:
             print(e, flush=True)
             continue
+        print(f"{m['name']}: {by} ({time.time() - begin:.0f} s)", flush=True)
+        if by == UNNOTICED and said.first:
+            continue
         if by == UNNOTICED and said.long and unseen:
             by += ", long tests included"
-        print(f"{m['name']}: {by} ({time.time() - begin:.0f} s)", flush=True)
         row = {"mutation": m["name"], "kind": m["kind"], "file": m["file"], "noticed by": by,
                "date": datetime.date.today().isoformat(), "commit": copy.commit[:12]}
         keep(row, os.path.join(copy.scratch, "results.lock"))
