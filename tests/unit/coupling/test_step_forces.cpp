@@ -30,7 +30,7 @@ struct Scene {
     p = bodies.view();
     p.mask = mask;
     m = bodies.mass[0];
-    state.pressure_force = pressure;
+    state.pressure_force = state.own_force = pressure;
     b = drag_coefficient(law, kEps, 2 * kRadius, 0.01, kRho, kMu, 1.0) / (pressure ? 1 : kEps);
     double* const s = p.state[0];
     for (int d = 0; d < 3; ++d) {
