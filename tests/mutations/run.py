@@ -52,7 +52,9 @@ STAGES = {
     "cfd/": CFD + [("twogrid", QUICK)] + ORDERS + [("twogrid", BALANCES)],
     "cfd/parallel/": CFD[:1] + COUPLING + FLOWS + [("twogrid", QUICK + BALANCES)],
     "coupling/": COUPLING + [("twogrid", QUICK + BALANCES)],
-    "liggghts_fixes/": FIXES + [("twogrid", QUICK + ["^(scripts|skin|balance|restart)$", "^same_bits$"] + BALANCES)],
+    "liggghts_fixes/": FIXES + [("twogrid", QUICK + ["^ranks$", "^(scripts|skin|balance|restart)$"] + BALANCES +
+                                 ["^same_bits$"])],
+    "liggghts_fixes/liggghts/balance": [("twogrid", ["^balance$", "^(ranks|skin|scripts|restart)$"] + BALANCES)],
     "liggghts_fixes/contacts/": [("twogrid", ["^same_bits$", "^skin$"] + QUICK + BALANCES)],
 }
 LONG = [("twogrid", ["^(fixed_bed|ranks|mirror|same_bits|methods|bed_balance|stiff_drag|periodic_settling|intervals)$",
