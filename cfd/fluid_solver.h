@@ -11,7 +11,7 @@
 //                    that keeps energy grows, by 0.7 % a step at a Courant number of 0.3; with it none does up to 0.67)
 //                    then, where models say so, properties (mu) as fields from u^n and u~
 //   (2) predict      A u* = -rho/dt (a1 eps^n u^n + a2 eps^{n-1} u^{n-1}) - rho div(F~ u~) + div(eps tau(u~))
-//                           - (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap friction)
+//                           - (grad p^n + G) + source,        A = a0 rho eps^{n+1}/dt + beta (+ gap and wall friction)
 //                    (implicit viscosity: tau(u*) on the left, conjugate gradients)
 //   (3) project      div( eps/A grad phi ) = div(eps u*) + d(eps)/dt - q,   d(eps)/dt by the same BDF2 formula
 //                    (first guess: r phi of the step before)

@@ -91,7 +91,7 @@ inline void Predictor::predict_component(const FluidState& state, const Step& st
 #pragma GCC ivdep
       for (int i = 0; i < n; ++i) o[i] += source[i] * row.volume(i);
     }
-    inertia_.row(inertia_share.data() + m, exchange.beta_row(d, x[0], x[1], x[2], n, row_made_.data()), n, A);
+    inertia_.row(d, m, inertia_share.data() + m, exchange.beta_row(d, x[0], x[1], x[2], n, row_made_.data()), n, A);
 #pragma GCC ivdep
     for (int i = 0; i < n; ++i) {
       const double V = row.volume(i);
@@ -110,6 +110,29 @@ TWOGRID_VECTORISED void Predictor::predict_rows(const FluidState& state, const S
   if (domain_.solved[0]) predict_component<0>(state, step, exchange, rhs, u_next);
   if (domain_.solved[1]) predict_component<1>(state, step, exchange, rhs, u_next);
   if (domain_.solved[2]) predict_component<2>(state, step, exchange, rhs, u_next);
+}
+
+/// mu K' of faces: the friction of bodies' walls.
+void Predictor::set_wall_friction(const Property& mu) {
+  const OpenShares* open = domain_.measures.open();
+  if (!open || !open->has_friction()) return;
+  if (friction_[0].size() == 0) reset(friction_, domain_.local);
+  for (int d = 0; d < 3; ++d) {
+    const auto set = [&](const auto& mu_at) {
+      for_each(domain_.faces[d], [&](int i, int j, int k) {
+        const std::ptrdiff_t m = friction_[d].index(i, j, k);
+        friction_[d].data()[m] = mu_at(m) * open->friction()[d].data()[m];
+      });
+    };
+    if (mu.varies()) {
+      const double* cell = mu.field().data();
+      const std::ptrdiff_t s = friction_[d].stride(d);
+      set([=](std::ptrdiff_t m) { return 0.5 * (cell[m] + cell[m - s]); });
+    } else {
+      set([number = mu.number](std::ptrdiff_t) { return number; });
+    }
+  }
+  inertia_.friction = &friction_;
 }
 
 const Inertia& Predictor::predict(FluidState& state, const Step& step, const FluidProperties& properties,
@@ -132,6 +155,7 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
   for (int d = 0; gap && d < 3; ++d)
     if (!domain_.solved[d]) friction = 12 * mu.number / (domain_.grid.axis[d].length() * domain_.grid.axis[d].length());
   inertia_.per_eps = rho * step.a0 / step.dt + friction;
+  set_wall_friction(mu);
   predict_rows(state, step, exchange, rhs, u_next);
   for (int d = 0; d < 3; ++d)
     if (!domain_.solved[d]) u_next[d].fill(0);

@@ -32,6 +32,7 @@ class Predictor {
   double inlet_head() const { return inlet_head_; }
 
  private:
+  void set_wall_friction(const Property& mu);
   void measure_inlet_head(const FluidState& state, const FaceField<FineGrid>& u_tilde);
   void predict_rows(const FluidState& state, const Step& step, const Interphase& exchange, FaceField<FineGrid>& rhs,
                     FaceField<FineGrid>& u_next);
@@ -45,6 +46,7 @@ class Predictor {
   ViscousTerm viscous_;
   Inertia inertia_;
   double inlet_head_ = 0;
+  FaceField<FineGrid> friction_;  // mu K', only where bodies' walls have friction
   std::vector<double> row_inertia_, row_made_;
   // Implicit viscosity; made when first needed.
   std::unique_ptr<ViscousSolver> viscous_solver_;

@@ -52,7 +52,7 @@ class OpenShares {
   /// Factor from the mean of e over an edge's four cells to eps times the edge's open share; edge along t at the low
   /// corner of the cell.
   const CellField<FineGrid>& edge(int t) const { return edge_[t]; }
-  bool has_friction() const { return friction_[0].size() + friction_[1].size() + friction_[2].size() > 0; }
+  bool has_friction() const { return friction_[0].size() > 0; }
   /// K' of own faces.
   const FaceField<FineGrid>& friction() const { return friction_; }
   /// Memory indices of closed faces, halo included.

@@ -1,5 +1,5 @@
 // Open shares of faces and cells (cfd/measures/open_shares.h). Without these, a solver that drops area, divides by a
-// closed face's zero, lets gas creep that is at rest, or feels a wall that is not there, would pass.
+// closed face's zero, lets gas creep that is at rest, or feels a wall that is not there or not one that is, would pass.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -283,6 +283,117 @@ TEST(OpenShares, FlowRateThroughClosedCells) {
   report("flow rate through closed cells: %.12f m/s, continuity %.1e m/s\n", mean, worst);
   EXPECT_NEAR(mean, 0.3, 1e-10);
   EXPECT_LT(worst, 1e-9);
+}
+
+/// Between solid cells, with K' = 2/h^2 for each wall half a cell away, the steady flow is that of a box of that width
+/// between no-slip sides, cell by cell; for a gap of one cell too.
+TEST(OpenShares, PoiseuilleBetweenClosedCells) {
+  for (int along : {0, 1, 2})
+    for (Choice implicit : {Choice::kOn, Choice::kOff})
+      for (int gap : {6, 1}) {
+        const int across = (along + 1) % 3, thin = (along + 2) % 3, below = 2;
+        FluidSettings s;
+        s.density = 1;
+        s.viscosity = 0.1;
+        s.pressure_gradient[along] = -2;
+        s.pressure_rtol = 1e-11;
+        s.implicit_viscosity = implicit;
+        s.dt = implicit == Choice::kOn ? 0.5 : 0.005;
+        s.side[2 * thin] = s.side[2 * thin + 1] = {condition(BoundaryKind::kSlip)};
+        const auto sides = [&](BoundaryKind kind) { s.side[2 * across] = s.side[2 * across + 1] = {condition(kind)}; };
+        std::array<bool, 3> periodic{false, false, false};
+        periodic[along] = true;
+        const std::vector<double> all = uniform(-0.2, 0.8, 10);
+        std::array<std::vector<double>, 3> nodes;
+        nodes[along] = uniform(0, 0.3, 3), nodes[across] = all, nodes[thin] = uniform(0, 0.2, 2);
+        sides(BoundaryKind::kSlip);
+        s.open_space = [=](const FineGrid& grid, OpenSpace& space) {
+          closing([=](const Int3& x) { return x[across] < below || x[across] >= below + gap; })(grid, space);
+          for (int d = 0; d < 3; ++d) space.friction[d].reset(space.alpha[d].box());
+          for (int d : {along, thin})
+            for_each(space.alpha[d].box(), [&](int i, int j, int k) {
+              const Int3 x{i, j, k};
+              const double h = grid.axis[across].width(x[across]);
+              space.friction[d](i, j, k) = ((x[across] == below) + (x[across] == below + gap - 1)) * 2 / (h * h);
+            });
+        };
+        CfdBox closed(nodes, periodic, s);
+        s.open_space = nullptr;
+        sides(BoundaryKind::kNoSlip);
+        nodes[across] = {all.begin() + below, all.begin() + below + gap + 1};
+        std::unique_ptr<CfdBox> box;
+        if (gap > 1) box = std::make_unique<CfdBox>(nodes, periodic, s);
+        for (int step = 0; step < (implicit == Choice::kOn ? 200 : 1500); ++step) {
+          closed.step(s.dt);
+          if (box) box->step(s.dt);
+        }
+        // Discrete solution: u = G/(2 mu) (y (H - y) + h^2/4) with the wall's gradient over half a cell.
+        const double H = 0.1 * gap;
+        double worst = 0, apart = 0;
+        for_each(closed.faces(along), [&](int i, int j, int k) {
+          const Int3 x{i, j, k};
+          const double y = (x[across] - below + 0.5) * 0.1, u = closed.fluid->velocity()[along](i, j, k);
+          const bool in = y > 0 && y < H;
+          worst = std::max(worst, std::abs(u - (in ? 10 * (y * (H - y) + 0.0025) : 0.0)));
+        });
+        if (box) {
+          const auto u = box->gathered(along, box->fluid->velocity()[along]),
+                     v = closed.gathered(along, closed.fluid->velocity()[along]);
+          for_each(Box{{0, 0, 0}, box->grid.n()}, [&](int i, int j, int k) {
+            Int3 x{i, j, k};
+            x[across] += below;
+            apart = std::max(apart, std::abs(u[box->at(i, j, k)] - v[closed.at(x[0], x[1], x[2])]));
+          });
+        }
+        worst = closed.largest(worst);
+        report("Poiseuille between closed cells along %d, gap %d: error %.1e, against the box %.1e m/s\n", along, gap,
+               worst, apart);
+        EXPECT_LT(worst, 1e-8);
+        EXPECT_LT(apart, 1e-8);
+      }
+}
+
+/// Uniform K': Darcy's law -dp/dx = mu K u with an inlet and an outlet, -G = mu K u in a periodic box.
+TEST(OpenShares, UniformFrictionIsDarcysLaw) {
+  const double K = 3e4;
+  for (int along : {0, 1, 2})
+    for (bool through : {true, false}) {
+      FluidSettings s = gas();
+      for (auto& side : s.side) side = {condition(BoundaryKind::kSlip)};
+      std::array<bool, 3> periodic{false, false, false};
+      const double U = 0.2, gradient = s.viscosity * K * U;
+      if (through) {
+        Vec3 in{0, 0, 0};
+        in[along] = U;
+        s.side[2 * along] = {condition(BoundaryKind::kInlet, in)};
+        s.side[2 * along + 1] = {condition(BoundaryKind::kPressure)};
+      } else {
+        periodic[along] = true;
+        s.side[2 * along].clear(), s.side[2 * along + 1].clear();
+        s.pressure_gradient[along] = -gradient;
+      }
+      s.open_space = [=](const FineGrid&, OpenSpace& space) {
+        for (int d = 0; d < 3; ++d) space.friction[d].reset(space.alpha[d].box(), K);
+      };
+      CfdBox box(nodes_along(along, 4, 3, 12), periodic, s);
+      for (int step = 0; step < 60; ++step) box.step(0.02);
+      double worst = 0, slope = 0;
+      for_each(box.faces(along), [&](int i, int j, int k) {
+        worst = std::max(worst, std::abs(box.fluid->velocity()[along](i, j, k) - U) / U);
+        Int3 below{i, j, k};
+        if (!through || below[along] == 0) return;
+        const double h = box.grid.axis[along].face_width(below[along]);
+        const int n = box.grid.n()[along];
+        if (below[along] == n) return;
+        --below[along];
+        const double dp = box.fluid->pressure()(i, j, k) - box.fluid->pressure()(below[0], below[1], below[2]);
+        slope = std::max(slope, std::abs(dp / h + gradient) / gradient);
+      });
+      worst = box.largest(worst), slope = box.largest(slope);
+      report("Darcy along %d: velocity %.1e, gradient %.1e\n", along, worst, slope);
+      EXPECT_LT(worst, 1e-9);
+      EXPECT_LT(slope, 1e-8);
+    }
 }
 
 TEST(OpenShares, ImpossibleSharesAreRefused) {
