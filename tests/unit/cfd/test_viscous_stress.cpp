@@ -98,3 +98,29 @@ TEST(ViscousStress, DiagonalOfAFieldIsThatOfANumber) {
       EXPECT_NEAR(one[c](i, j, k), other[c](i, j, k), 1e-14 * one[c](i, j, k));
     });
 }
+
+// The diagonal, which only preconditions, is the operator's: the force on a face that alone has a velocity. Without this
+// test it could be any multiple of that, and the solver would only take more iterations.
+TEST(ViscousStress, DiagonalIsTheForceOnAFaceThatMovesAlone) {
+  Block b(8);
+  const GridMeasures measures(b.grid, b.own, b.local);
+  ViscousTerm term(measures, b.own, b.local, b.inner, {true, true, true});
+  Property mu;
+  mu.number = 0.3;
+  const CellField<FineGrid> eps(b.local, 0.5);
+  FaceField<FineGrid> diagonal, u, force;
+  for (auto* f : {&diagonal, &u, &force})
+    for (auto& c : *f) c.reset(b.local);
+  term.diagonal(mu, eps, diagonal);
+  for (int c = 0; c < 3; ++c)
+    for (int q = 2; q < 6; ++q) {
+      const Int3 x{q, (q + 1) % 4 + 2, 8 - q};
+      ASSERT_TRUE(b.inner[c].contains(x[0], x[1], x[2]));
+      u[c](x[0], x[1], x[2]) = 1;
+      for (auto& f : force) f.fill(0);
+      term.add(mu, eps, u, force);
+      u[c](x[0], x[1], x[2]) = 0;
+      const double own = -force[c](x[0], x[1], x[2]);
+      EXPECT_NEAR(diagonal[c](x[0], x[1], x[2]), own, 1e-13 * own) << "direction " << c;
+    }
+}
