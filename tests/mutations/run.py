@@ -100,7 +100,9 @@ def find(mutation, root):
 
 
 def run(command, **more):
-    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **more)
+    """With its words; system tests end with the first check that fails."""
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          env={**os.environ, "STOP_AT_FIRST_FAILURE": "1"}, **more)
 
 
 class Copy:

@@ -41,7 +41,8 @@ DEFAULTS = dict(processors="* * *", boundary="p p p", skin=0.5e-3, kn=100, kt=10
 
 
 class Checks:
-    """Collects checks; prints each with its figure."""
+    """Collects checks; prints each with its figure. With STOP_AT_FIRST_FAILURE in the environment the first that fails
+    ends the test."""
 
     def __init__(self, title):
         self.failed = 0
@@ -49,14 +50,18 @@ class Checks:
 
     def below(self, what, value, bound):
         good = bool(np.isfinite(value)) and value <= bound
-        self.failed += not good
         print(f"{'ok  ' if good else 'FAIL'} {what}: {value:.3e} (wanted at most {bound:.3g})", flush=True)
-        return good
+        return self.count(good)
 
     def true(self, what, condition):
-        self.failed += not condition
         print(f"{'ok  ' if condition else 'FAIL'} {what}", flush=True)
-        return condition
+        return self.count(condition)
+
+    def count(self, good):
+        self.failed += not good
+        if not good and "STOP_AT_FIRST_FAILURE" in os.environ:
+            sys.exit(1)
+        return good
 
     def note(self, text):
         print(f"     {text}", flush=True)
