@@ -83,6 +83,7 @@ system_test(mixtures RANKS 1 2)
 system_test(bed_end RANKS 1)
 system_test(rising_sphere RANKS 1)
 system_test(lattice_in_time RANKS 1)
+system_test(periodic_sides RANKS 1 2)
 
 # Hard cases: what is bounded and for how long stands in tests/stability/README.md.
 system_test(fine_cells FOLDER stability RANKS 1)

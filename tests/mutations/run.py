@@ -46,7 +46,7 @@ CFD = [("unit_tests", ["^unit/cfd/.*_np1$", "^unit/cfd/.*_np2$"])] + FLOWS
 COUPLING = [("unit_tests", ["^unit/coupling/.*_np1$", "^unit/coupling/.*_np2$"])]
 FIXES = [("unit_tests", ["^unit/liggghts_fixes/.*_np1$"])]
 # System tests, by what they cost.
-QUICK = ["^(fixed_particles|come_and_go|action_reaction|watched_drag|held|outlets)$"]
+QUICK = ["^(periodic_sides|fixed_particles|come_and_go|action_reaction|watched_drag|held|outlets)$"]
 BALANCES = ["^(between_runs|overfull|bed_end|mixtures|accuracy)$", "^(momentum|continuity)$"]
 STAGES = {
     "cfd/": CFD + [("twogrid", QUICK)] + ORDERS + [("twogrid", BALANCES)],
