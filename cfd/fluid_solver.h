@@ -89,6 +89,8 @@ class FluidSolver : public Fluid {
   /// FluidState::fields.
   int add_field(const std::string& name, const std::string& unit, double value);
   const std::vector<ModelField>& model_fields() const override { return state_.fields; }
+  /// What another model gives it, such as a heat source of the particles.
+  CellField<FineGrid>& model_field(int place) { return state_.fields[place].values; }
 
   /// Settings that may change between runs (inlet values, tolerances); the grid and the kinds of boundary may not.
   FluidSettings& settings() { return settings_; }
