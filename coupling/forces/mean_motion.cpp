@@ -29,72 +29,70 @@ MeanMotion::MeanMotion(MeanMotionState& state, MPI_Comm comm, const ParticleGrid
       spread_(spread),
       free_flux_(free_flux),
       domain_volume_(grid.axis[0].length() * grid.axis[1].length() * grid.axis[2].length()) {
-  for (auto& a : node_sum_) a.reset(own_);
-  for (auto& a : shown_) a.reset(own_);
   move_region(region);
 }
 
 void MeanMotion::move_region(const ParticleRegion& region) {
   window_ = Window(comm_, grid_, nodes_, region, spread_, 0.0);
-  for (auto& a : window_sum_) a.reset(window_.box());
-  for (auto& a : window_shown_) a.reset(window_.box());
+  shape_ = window_.shape();
 }
 
-void MeanMotion::collect(int n) {
-  std::vector<const Array3<long long>*> window;
-  std::vector<Array3<long long>*> node;
-  for (int c = 0; c < n; ++c) {
-    node_sum_[c].fill(0);
-    window.push_back(&window_sum_[c]);
-    node.push_back(&node_sum_[c]);
+void MeanMotion::clear(int sums) {
+  for (int s = 0; s < sums; ++s) window_sum_[s].assign(window_.box().count(), FourWholeNumbers{});
+}
+
+void MeanMotion::collect(int sums) {
+  std::vector<Slot<FourWholeNumbers>> window, node;
+  for (int s = 0; s < sums; ++s) {
+    node_sum_[s].assign(own_.count(), FourWholeNumbers{});
+    window.push_back({window_.box(), window_sum_[s].data(), 1});
+    node.push_back({own_, node_sum_[s].data(), 1});
   }
   window_.add(window, node);
 }
 
-void MeanMotion::bring(int first, int n) {
-  std::vector<const Array3<double>*> node;
-  std::vector<Array3<double>*> window;
-  for (int c = first; c < first + n; ++c) {
-    node.push_back(&shown_[c]);
-    window.push_back(&window_shown_[c]);
+void MeanMotion::bring(int groups) {
+  shown_.resize(window_.box().count() * groups);
+  std::vector<Slot<FourNumbers>> own, window;
+  for (int g = 0; g < groups; ++g) {
+    own.push_back({own_, own_shown_.data() + g, groups});
+    window.push_back({window_.box(), shown_.data() + g, groups});
   }
-  window_.bring<double>(node, window);
+  window_.bring(own, window);
 }
 
 void MeanMotion::average_diameters(const Particles& p, const std::vector<int>& who, double largest_radius,
                                    double terms) {
   const FixedPoint cubes(8 * largest_radius * largest_radius * largest_radius, terms);
   const FixedPoint squares(4 * largest_radius * largest_radius, terms);
-  for (int c = 0; c < 2; ++c) window_sum_[c].fill(0);
+  clear(1);
   for (int i : who) {
     const double d = 2 * p.radius[i];
-    window_.weights(p.x[i], stencil_);
-    scatter(stencil_, cubes.quantise(d * d * d), window_sum_[0]);
-    scatter(stencil_, squares.quantise(d * d), window_sum_[1]);
+    const Four whole{cubes.whole(d * d * d), squares.whole(d * d), 0, 0};
+    at(p.x[i], [&](const auto& place) { scatter(place, shape_, whole, window_sum_[0].data()); });
   }
-  collect(2);
-  for (std::size_t m = 0; m < shown_[0].size(); ++m) {
-    const double square = squares.value(node_sum_[1].data()[m]);
-    shown_[0].data()[m] = square > 0 ? cubes.value(node_sum_[0].data()[m]) / square : 0.0;
+  collect(1);
+  own_shown_.assign(own_.count(), FourNumbers{});
+  for (std::size_t m = 0; m < own_shown_.size(); ++m) {
+    const auto& sum = node_sum_[0][m].at;
+    const double square = squares.value(sum[1]);
+    own_shown_[m].at[0] = square > 0 ? cubes.value(sum[0]) / square : 0.0;
   }
-  bring(0, 1);
+  bring(1);
 }
 
-double MeanMotion::diameter(const double x[3]) {
-  window_.weights(x, stencil_);
-  const double* field[1] = {window_shown_[0].data()};
-  double out[1];
-  gather<1>(stencil_, window_shown_[0], field, out);
+double MeanMotion::diameter(const double x[3]) const {
+  Four out;
+  at(x, [&](const auto& place) { gather<1>(place, shape_, shown_.data(), &out); });
   return out[0];
 }
 
 void MeanMotion::sum_motion(const Particles& p, const std::vector<int>* who) {
   mass_unit_ = FixedPoint(state_.mass, state_.terms);
-  for (int c = 0; c < 4; ++c) window_sum_[c].fill(0);
   auto add = [&](int i) {
-    window_.weights(p.x[i], stencil_);
-    scatter(stencil_, mass_unit_.quantise(p.mass[i]), window_sum_[0]);
-    for (int d = 0; d < 3; ++d) scatter(stencil_, momentum_unit_.quantise(p.mass[i] * p.v[i][d]), window_sum_[1 + d]);
+    Four whole{0, 0, 0, mass_unit_.whole(p.mass[i])};
+    for (int d = 0; d < 3; ++d) whole[d] = momentum_unit_.whole(p.mass[i] * p.v[i][d]);
+    at(p.x[i], [&](const auto& place) { scatter(place, shape_, whole, window_sum_[kMotion].data()); });
   };
   if (who)
     for (int i : *who) add(i);
@@ -110,54 +108,56 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
     for (int d = 0; d < 3; ++d) state_.v_flux[d].reset(own_), state_.v_n[d].reset(own_);
   }
   state_.drag = drag, state_.mass = largest.mass, state_.terms = largest.terms;
-  if (drag) {
-    for_each(own_, [&](int i, int j, int k) { shown_[kShownEps](i, j, k) = eps(i, j, k); });
-    bring(kShownEps, 1);
-  }
   momentum_unit_ = FixedPoint(largest.momentum, largest.terms);
   const FixedPoint b_unit(largest.drag_coefficient, largest.terms), force_unit(largest.drag, largest.terms);
+  if (drag) {  // for weights like home
+    own_shown_.assign(own_.count(), FourNumbers{});
+    for_each(own_, [&](int i, int j, int k) { own_shown(i, j, k, 0, 1).at[3] = eps(i, j, k); });
+    bring(1);
+  }
+  const int sums = drag ? kSums : kDrag;
+  clear(sums);
   sum_motion(p, &who);
-  const int sums = drag ? 11 : 7;
-  for (int c = 4; c < sums; ++c) window_sum_[c].fill(0);
   for (std::size_t q = 0; q < who.size(); ++q) {
     const int i = who[q];
-    window_.weights(p.x[i], stencil_);
-    for (int d = 0; d < 3; ++d)
-      scatter(stencil_, momentum_unit_.quantise(p.mass[i] * flux_velocity[q].at[d]), window_sum_[4 + d]);
-    if (!drag) continue;
-    const double* u = p.step[i] + kStepVelocity;
-    const double b = p.step[i][kDragCoefficient];
-    const double sum = weights_like_home(stencil_, window_shown_[kShownEps], weights_);
-    scatter(stencil_, weights_, sum, b_unit.quantise(b), window_sum_[7]);
-    for (int d = 0; d < 3; ++d)
-      scatter(stencil_, weights_, sum, force_unit.quantise(b * (u[d] - p.v[i][d])), window_sum_[8 + d]);
+    const double *u = p.step[i] + kStepVelocity, b = p.step[i][kDragCoefficient];
+    Four flux{0, 0, 0, 0}, force{0, 0, 0, drag ? b_unit.whole(b) : 0};
+    for (int d = 0; d < 3; ++d) {
+      flux[d] = momentum_unit_.whole(p.mass[i] * flux_velocity[q].at[d]);
+      if (drag) force[d] = force_unit.whole(b * (u[d] - p.v[i][d]));
+    }
+    at(p.x[i], [&](const auto& place) {
+      scatter(place, shape_, flux, window_sum_[kFlux].data());
+      if (drag) scatter(weights_like_home(place, shape_, shown_.data(), 1), force, window_sum_[kDrag].data());
+    });
   }
   collect(sums);
+  if (drag) own_shown_.assign(2 * own_.count(), FourNumbers{});
   for_each(own_, [&](int i, int j, int k) {
     const double e = eps(i, j, k);
-    const double mass = mass_unit_.value(node_sum_[0](i, j, k));
+    const std::size_t n = place(i, j, k);
+    const double mass = mass_unit_.value(node_sum_[kMotion][n].at[3]);
     const double inverse = mass > 0 ? 1 / mass : 0.0;
     for (int d = 0; d < 3; ++d) {
-      state_.v_n[d](i, j, k) = momentum_unit_.value(node_sum_[1 + d](i, j, k)) * inverse;
-      state_.v_flux[d](i, j, k) = momentum_unit_.value(node_sum_[4 + d](i, j, k)) * inverse;
+      state_.v_n[d](i, j, k) = momentum_unit_.value(node_sum_[kMotion][n].at[d]) * inverse;
+      state_.v_flux[d](i, j, k) = momentum_unit_.value(node_sum_[kFlux][n].at[d]) * inverse;
     }
     if (!drag) return;
     const double scale = 1 / (e * grid_.volume(i, j, k));
-    state_.beta(i, j, k) = shown_[0](i, j, k) = b_unit.value(node_sum_[7](i, j, k)) * scale;
-    for (int d = 0; d < 3; ++d) shown_[1 + d](i, j, k) = force_unit.value(node_sum_[8 + d](i, j, k)) * scale;
+    FourNumbers& shown = own_shown(i, j, k, 0, 2);
+    for (int d = 0; d < 3; ++d) shown.at[d] = force_unit.value(node_sum_[kDrag][n].at[d]) * scale;
+    state_.beta(i, j, k) = shown.at[3] = b_unit.value(node_sum_[kDrag][n].at[3]) * scale;
+    own_shown(i, j, k, 1, 2).at[3] = e;
   });
-  if (drag) bring(0, 4);
+  if (drag) bring(2);
 }
 
-void MeanMotion::drag_at(const double x[3], double& beta, Vec3& d) {
-  window_.weights(x, stencil_);
-  const double* field[4];
-  double out[4];
-  for (int c = 0; c < 4; ++c) field[c] = window_shown_[c].data();
-  const double sum = weights_like_home(stencil_, window_shown_[kShownEps], weights_);
-  gather<4>(stencil_, weights_, sum, window_shown_[0], field, out);
-  beta = out[0];
-  d = {out[1], out[2], out[3]};
+void MeanMotion::drag_at(const double x[3], double& beta, Vec3& d) const {
+  Four out[2];
+  at(x,
+     [&](const auto& place) { gather<2>(weights_like_home(place, shape_, shown_.data() + 1, 2), shown_.data(), out); });
+  beta = out[0][3];
+  d = {out[0][0], out[0][1], out[0][2]};
 }
 
 void MeanMotion::update(const Particles& p, const CellField<ParticleGrid>& eps) {
@@ -167,18 +167,22 @@ void MeanMotion::update(const Particles& p, const CellField<ParticleGrid>& eps) 
       for (int d = 0; d < 3; ++d) mine = std::max(mine, p.mass[i] * std::abs(p.v[i][d]));
   MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
   momentum_unit_ = FixedPoint(largest, state_.terms);
+  clear(1);
   sum_motion(p, nullptr);
-  collect(4);
-  // First the held part of the flux, eps_s (v - v_flux); shown_[3 + d] keeps v.
+  collect(1);
+  // First the held part of the flux, eps_s (v - v_flux), and v.
+  const int groups = state_.drag ? 2 : 1;
+  own_shown_.assign(groups * own_.count(), FourNumbers{});
   double flux[3] = {0, 0, 0}, mean_flux[3] = {0, 0, 0};
   for_each(own_, [&](int i, int j, int k) {
-    const double mass = mass_unit_.value(node_sum_[0](i, j, k));
+    const auto& sum = node_sum_[kMotion][place(i, j, k)].at;
+    const double mass = mass_unit_.value(sum[3]);
     const double solid = 1 - eps(i, j, k), volume = grid_.volume(i, j, k);
     for (int d = 0; d < 3; ++d) {
-      const double v = mass > 0 ? momentum_unit_.value(node_sum_[1 + d](i, j, k)) / mass : state_.v_n[d](i, j, k);
+      const double v = mass > 0 ? momentum_unit_.value(sum[d]) / mass : state_.v_n[d](i, j, k);
       const double held = mass > 0 ? solid * (v - state_.v_flux[d](i, j, k)) : 0.0;
-      shown_[d](i, j, k) = held;
-      shown_[3 + d](i, j, k) = v;
+      own_shown(i, j, k, 0, groups).at[d] = held;
+      if (state_.drag) own_shown(i, j, k, 1, groups).at[d] = v;
       flux[d] += held * volume;
     }
   });
@@ -189,29 +193,26 @@ void MeanMotion::update(const Particles& p, const CellField<ParticleGrid>& eps) 
   for_each(own_, [&](int i, int j, int k) {
     const double inverse = 1 / eps(i, j, k);
     for (int d = 0; d < 3; ++d) {
-      const double c = (shown_[d](i, j, k) - mean_flux[d]) * inverse, v = shown_[3 + d](i, j, k);
-      shown_[d](i, j, k) = c;
-      shown_[3 + d](i, j, k) = state_.drag ? -state_.beta(i, j, k) * (c + v - state_.v_n[d](i, j, k)) : 0.0;
+      double& c = own_shown(i, j, k, 0, groups).at[d];
+      c = (c - mean_flux[d]) * inverse;
+      if (!state_.drag) continue;
+      double& v = own_shown(i, j, k, 1, groups).at[d];
+      v = -state_.beta(i, j, k) * (c + v - state_.v_n[d](i, j, k));
     }
   });
-  bring(0, state_.drag ? 6 : 3);
+  bring(groups);
 }
 
-void MeanMotion::change_at(const double x[3], Vec3& c, Vec3& pressure) {
-  window_.weights(x, stencil_);
-  const double* field[6];
-  double out[6];
-  for (int q = 0; q < 6; ++q) field[q] = window_shown_[q].data();
-  if (state_.drag) {
-    gather<6>(stencil_, window_shown_[0], field, out);
-  } else {
-    const double* three[3] = {field[0], field[1], field[2]};
-    double o[3];
-    gather<3>(stencil_, window_shown_[0], three, o);
-    for (int d = 0; d < 3; ++d) out[d] = o[d], out[3 + d] = 0;
-  }
-  c = {out[0], out[1], out[2]};
-  pressure = {out[3], out[4], out[5]};
+void MeanMotion::change_at(const double x[3], Vec3& c, Vec3& pressure) const {
+  Four out[2] = {};
+  at(x, [&](const auto& place) {
+    if (state_.drag)
+      gather<2>(place, shape_, shown_.data(), out);
+    else
+      gather<1>(place, shape_, shown_.data(), out);
+  });
+  c = {out[0][0], out[0][1], out[0][2]};
+  pressure = {out[1][0], out[1][1], out[1][2]};
 }
 
 }  // namespace twogrid

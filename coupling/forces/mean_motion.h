@@ -43,28 +43,46 @@ class MeanMotion {
 
   /// Sauter mean diameter of each node, readable with diameter(). Collective.
   void average_diameters(const Particles& p, const std::vector<int>& who, double largest_radius, double terms);
-  double diameter(const double x[3]);
+  double diameter(const double x[3]) const;
 
   /// Sums of the particles in `who` at a coupling. flux_velocity[q] belongs to who[q]. eps: own nodes.
   /// drag: beta and D_n are wanted (formulation A). Collective.
   void couple(const Particles& p, const std::vector<int>& who, const std::vector<FourNumbers>& flux_velocity,
               const CellField<ParticleGrid>& eps, const Largest& largest, bool drag);
   /// beta/eps (kg/(m3 s)) and D_n/eps (N/m3) at a particle, after couple() with drag.
-  void drag_at(const double x[3], double& beta, Vec3& d);
+  void drag_at(const double x[3], double& beta, Vec3& d) const;
 
   /// The particles have moved: v(t), C and P. A particle counts if it feels drag. eps: as in couple(). Collective.
   void update(const Particles& p, const CellField<ParticleGrid>& eps);
   /// C (m/s) and P (N/m3; zero without drag) at a particle, after update().
-  void change_at(const double x[3], Vec3& c, Vec3& pressure);
+  void change_at(const double x[3], Vec3& c, Vec3& pressure) const;
 
  private:
-  void sum_motion(const Particles& p, const std::vector<int>* who);
-  void collect(int n);
-  void bring(int first, int n);
+  /// Sums over a node's particles: of the motion, components 0-2 momentum, 3 mass; of the velocity that continuity sees,
+  /// momentum; of the drag, force and coefficient.
+  enum { kMotion, kFlux, kDrag, kSums };
 
-  static constexpr int kSums = 11;
-  static constexpr int kShown = 6;
-  static constexpr int kShownEps = 4;  // in couple() with drag, for weights like home
+  /// f(place): of a particle at x.
+  template <class F>
+  void at(const double x[3], F f) const {
+    if (window_.spread() == Spread::kCell)
+      f(window_.node(x));
+    else
+      f(window_.corners(x));
+  }
+  void clear(int sums);
+  void sum_motion(const Particles& p, const std::vector<int>* who);
+  void collect(int sums);
+  /// Brings so many groups a node from own_shown_ to shown_.
+  void bring(int groups);
+  FourNumbers& own_shown(int i, int j, int k, int group, int groups) {
+    return own_shown_[groups * place(i, j, k) + group];
+  }
+  /// Place of an own node.
+  std::size_t place(int i, int j, int k) const {
+    return (i - own_.lo[0]) +
+           std::size_t(own_.size(0)) * ((j - own_.lo[1]) + std::size_t(own_.size(1)) * (k - own_.lo[2]));
+  }
 
   MeanMotionState& state_;
   MPI_Comm comm_;
@@ -73,14 +91,12 @@ class MeanMotion {
   Box own_;
   Spread spread_;
   Window window_;
-  Stencil stencil_{};
-  std::vector<double> weights_;  // scratch
+  WindowShape shape_;
   std::array<bool, 3> free_flux_;
   double domain_volume_;
   FixedPoint mass_unit_, momentum_unit_;
-  std::array<Array3<long long>, kSums> window_sum_, node_sum_;
-  std::array<CellField<ParticleGrid>, kShown> shown_;  // own nodes: what particles read
-  std::array<Array3<double>, kShown> window_shown_;
+  std::array<std::vector<FourWholeNumbers>, kSums> window_sum_, node_sum_;  // on the window, of own nodes
+  std::vector<FourNumbers> own_shown_, shown_;  // what particles read: of own nodes, on the window
 };
 
 }  // namespace twogrid

@@ -102,7 +102,7 @@ Slot<FourWholeNumbers> Reader::own_sums() {
     std::fill(own_sum_.begin(), own_sum_.end(), FourWholeNumbers{});
     own = {map_.own(), own_sum_.data(), 1};
   }
-  window_.add(window, own);
+  window_.add({window}, {own});
   return own;
 }
 

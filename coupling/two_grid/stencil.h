@@ -221,73 +221,56 @@ inline void scatter(const Corners& c, const WindowShape& shape, double total, lo
   }
 }
 
-/// Weighted means of N fields on one and the same box at once.
-template <int N>
-inline void gather(const Stencil& s, const Array3<double>& shape, const double* const (&field)[N], double* out) {
-  if (s.single()) {
-    const std::ptrdiff_t m = shape.index(s.lo[0], s.lo[1], s.lo[2]);
-    for (int q = 0; q < N; ++q) out[q] = field[q][m];
-    return;
-  }
-  for (int q = 0; q < N; ++q) out[q] = 0;
-  for (int k = 0; k < s.n[2]; ++k)
-    for (int j = 0; j < s.n[1]; ++j) {
-      const double wjk = s.w[1][j] * s.w[2][k];
-      const std::ptrdiff_t m = shape.index(s.lo[0], s.lo[1] + j, s.lo[2] + k);
-      for (int i = 0; i < s.n[0]; ++i) {
-        const double w = s.w[0][i] * wjk;
-        for (int q = 0; q < N; ++q) out[q] += w * field[q][m + i];
-      }
-    }
-}
+/// Nodes of a place, and weights between those like the particle's own.
+struct WeightsLikeHome {
+  int n;
+  std::ptrdiff_t at[8];
+  double w[8];  ///< their sum is 1
+};
 
-/// Weights of the nodes of a stencil between those like the particle's own, x fastest; eps: of all of the window.
-/// Returns their sum.
-inline double weights_like_home(const Stencil& s, const Array3<double>& eps, std::vector<double>& w) {
-  const LikeHome like{1 - eps(s.home[0], s.home[1], s.home[2])};
-  w.clear();
+/// eps: component 3 of the window's nodes, `stride` apart.
+inline WeightsLikeHome weights_like_home(const Corners& c, const WindowShape& shape, const FourNumbers* eps,
+                                         int stride) {
+  WeightsLikeHome like{8, {}, {}};
+  const LikeHome home{1 - eps[stride * c.home].at[3]};
   double sum = 0;
-  for (int k = 0; k < s.n[2]; ++k)
-    for (int j = 0; j < s.n[1]; ++j)
-      for (int i = 0; i < s.n[0]; ++i) {
-        const double e = eps(s.lo[0] + i, s.lo[1] + j, s.lo[2] + k);
-        w.push_back(s.w[0][i] * s.w[1][j] * s.w[2][k] * (e <= like.full_up_to() ? 1.0 : like.factor(e)));
-        sum += w.back();
-      }
-  return sum;
+  for (int q = 0; q < 8; ++q) {
+    const int x = q & 1, y = q >> 1 & 1, z = q >> 2;
+    like.at[q] = c.at + x * shape.up[0] + y * shape.up[1] + z * shape.up[2];
+    const double e = eps[stride * like.at[q]].at[3];
+    like.w[q] = (x ? c.w[0] : 1 - c.w[0]) * (y ? c.w[1] : 1 - c.w[1]) * (z ? c.w[2] : 1 - c.w[2]) *
+                (e <= home.full_up_to() ? 1.0 : home.factor(e));
+    sum += like.w[q];
+  }
+  for (double& w : like.w) w /= sum;
+  return like;
+}
+inline WeightsLikeHome weights_like_home(std::ptrdiff_t node, const WindowShape&, const FourNumbers*, int) {
+  return {1, {node}, {1}};
 }
 
-/// Means of N fields by such weights, of the given sum.
-template <int N>
-inline void gather(const Stencil& s, const std::vector<double>& w, double sum, const Array3<double>& shape,
-                   const double* const (&field)[N], double* out) {
-  for (int q = 0; q < N; ++q) out[q] = 0;
-  const double* weight = w.data();
-  for (int k = 0; k < s.n[2]; ++k)
-    for (int j = 0; j < s.n[1]; ++j)
-      for (int i = 0; i < s.n[0]; ++i, ++weight) {
-        const std::ptrdiff_t m = shape.index(s.lo[0] + i, s.lo[1] + j, s.lo[2] + k);
-        for (int q = 0; q < N; ++q) out[q] += *weight / sum * field[q][m];
-      }
+/// Weighted means of kGroups groups by such weights.
+template <int kGroups>
+inline void gather(const WeightsLikeHome& like, const FourNumbers* field, Four* out) {
+  for (int g = 0; g < kGroups; ++g) {
+    out[g] = Four{0, 0, 0, 0};
+    for (int q = 0; q < like.n; ++q) out[g] += like.w[q] * four_at(field[kGroups * like.at[q] + g].at);
+  }
 }
 
-/// Adds `total` units, split by such weights, so that exactly `total` is added.
-inline void scatter(const Stencil& s, const std::vector<double>& w, double sum, long long total,
-                    Array3<long long>& field) {
-  long long rest = total;
-  double largest = -1;
-  std::ptrdiff_t at = 0;
-  const double* weight = w.data();
-  for (int k = 0; k < s.n[2]; ++k)
-    for (int j = 0; j < s.n[1]; ++j)
-      for (int i = 0; i < s.n[0]; ++i, ++weight) {
-        const std::ptrdiff_t m = field.index(s.lo[0] + i, s.lo[1] + j, s.lo[2] + k);
-        const long long part = static_cast<long long>(*weight / sum * double(total));
-        field.data()[m] += part;
-        rest -= part;
-        if (*weight > largest) largest = *weight, at = m;
-      }
-  field.data()[at] += rest;
+/// Adds the whole numbers `total`, split by such weights; what rounding leaves over goes to the node of the largest
+/// weight, so that exactly `total` is added.
+inline void scatter(const WeightsLikeHome& like, const Four& total, FourWholeNumbers* field) {
+  Four rest = total;
+  int most = 0;
+  for (int q = 0; q < like.n; ++q) {
+    Four others, part;
+    split(like.w[q], total, others, part);
+    add_whole(part, field[like.at[q]]);
+    rest -= part;
+    if (like.w[q] > like.w[most]) most = q;
+  }
+  add_whole(rest, field[like.at[most]]);
 }
 
 /// Adds `total` units, split by the weights; what rounding leaves over goes to the node of the largest weight, so that

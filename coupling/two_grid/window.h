@@ -189,8 +189,8 @@ class Window {
   void bring(const std::vector<Slot<FourNumbers>>& owner, const std::vector<Slot<FourNumbers>>& window) const {
     exchange_.bring<FourNumbers>(owner, window);
   }
-  void add(const Slot<FourWholeNumbers>& window, const Slot<FourWholeNumbers>& owner) const {
-    exchange_.add<FourWholeNumbers>({window}, {owner});
+  void add(const std::vector<Slot<FourWholeNumbers>>& window, const std::vector<Slot<FourWholeNumbers>>& owner) const {
+    exchange_.add<FourWholeNumbers>(window, owner);
   }
   /// Owners += windows. Collective.
   void add(const std::vector<const Array3<long long>*>& window, const std::vector<Array3<long long>*>& owner) const {
