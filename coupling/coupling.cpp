@@ -37,6 +37,15 @@ constexpr double kComplete = 0.02;
 /// The same for the time in which a particle crosses what it reads: below, b'' is b to 10 %.
 constexpr double kFollow = 0.2;
 
+/// The particle grid, its nodes' volumes those that are open to the fluid.
+ParticleGrid nodes_of(MPI_Comm comm, const Fluid& fluid, const Int3& ratio) {
+  ParticleGrid nodes(fluid.grid(), ratio);
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  nodes.take_open_part(fluid.open_shares(), fluid.grid(), node_layout(fluid.layout(), nodes).cells(rank));
+  return nodes;
+}
+
 const DragLaw& drag_law_of(const Settings& s) {
   check(s);
   return *find_drag_law(s.drag);
@@ -112,7 +121,7 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
       settings_(settings),
       law_(drag_law_of(settings)),
       region_(region),
-      nodes_(fluid.grid(), settings.ratio),
+      nodes_(nodes_of(comm, fluid, settings.ratio)),
       void_fraction_(state_, comm, settings, fluid, nodes_, region),
       reader_(comm, fluid, reads_fine_cells(settings.read) ? ParticleGrid(fluid.grid(), {1, 1, 1}) : nodes_, region,
               settings.read, read_width(settings)),

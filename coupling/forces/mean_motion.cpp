@@ -28,7 +28,7 @@ MeanMotion::MeanMotion(MeanMotionState& state, MPI_Comm comm, const ParticleGrid
       own_(nodes.cells(rank_of(comm))),
       spread_(spread),
       free_flux_(free_flux),
-      domain_volume_(grid.axis[0].length() * grid.axis[1].length() * grid.axis[2].length()) {
+      domain_volume_(grid.domain_volume(comm)) {
   move_region(region);
 }
 
@@ -143,7 +143,7 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
       state_.v_flux[d](i, j, k) = momentum_unit_.value(node_sum_[kFlux][n].at[d]) * inverse;
     }
     if (!drag) return;
-    const double scale = 1 / (e * grid_.volume(i, j, k));
+    const double volume = grid_.volume(i, j, k), scale = volume > 0 ? 1 / (e * volume) : 0.0;
     FourNumbers& shown = own_shown(i, j, k, 0, 2);
     for (int d = 0; d < 3; ++d) shown.at[d] = force_unit.value(node_sum_[kDrag][n].at[d]) * scale;
     state_.beta(i, j, k) = shown.at[3] = b_unit.value(node_sum_[kDrag][n].at[3]) * scale;

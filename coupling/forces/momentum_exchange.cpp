@@ -140,8 +140,9 @@ void MomentumExchange::set_particle_flux(const Particles& p, const std::vector<i
     for (int d = 0; d < 3; ++d) sum[d] += sphere_volume(p.radius[who[q]]) * flux_velocity[q].at[d];
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, comm_);
   const auto& axis = fluid_.grid().axis;
-  for (int d = 0; d < 3; ++d)
-    exchange_.particle_flux[d] = sum[d] / (axis[0].length() * axis[1].length() * axis[2].length());
+  const OpenShares* open = fluid_.open_shares();
+  const double volume = open ? open->volume() : axis[0].length() * axis[1].length() * axis[2].length();
+  for (int d = 0; d < 3; ++d) exchange_.particle_flux[d] = sum[d] / volume;
 }
 
 }  // namespace twogrid

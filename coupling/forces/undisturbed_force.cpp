@@ -18,6 +18,7 @@ UndisturbedForce::UndisturbedForce(MPI_Comm comm, const Fluid& fluid, FaceField<
 
 void UndisturbedForce::update(const Fluid& fluid, const CellField<FineGrid>& eps, const Interphase& exchange,
                               double particle_density) {
+  const OpenShares* open = fluid.open_shares();
   const double density_ratio = fluid.density() / particle_density;
   for (int d = 0; d < 3; ++d) {
     const Axis& a = fluid.grid().axis[d];
@@ -38,7 +39,9 @@ void UndisturbedForce::update(const Fluid& fluid, const CellField<FineGrid>& eps
           --under[d];
           const double h0 = a.width(under[d]), h1 = a.width(c[d]);
           const double e = (h0 * eps(under[0], under[1], under[2]) + h1 * eps(i, j, k)) / (h0 + h1);
-          const double balance = gradient(i, j, k) - (source ? source[q] - beta[q] * u(i, j, k) : 0.0);
+          // The exchange is that of the face's whole volume.
+          const double whole = open ? 1 / open->theta_f()[d](i, j, k) : 1.0;
+          const double balance = gradient(i, j, k) - (source ? (source[q] - beta[q] * u(i, j, k)) * whole : 0.0);
           const double w = e / (1 + (1 - e) * density_ratio);
           double& r = r_[d](i, j, k);
           r += w * (-balance / e - r);

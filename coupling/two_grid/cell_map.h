@@ -1,5 +1,6 @@
 // The map between the two grids for what lies in cells: temperature, vorticity, and sources of scalars.
-//   mean     fine cells -> nodes   c_n = sum_c V_c w_c c_c / W_n,  W_n = sum_c V_c w_c over the node's fine cells
+//   mean     fine cells -> nodes   c_n = sum_c V_c w_c c_c / W_n,  W_n = sum_c V_c w_c over the node's fine cells (0
+//                                  where W_n = 0; with open shares w_c is theta_c times what is given)
 //   spread   nodes -> fine cells   V_c s_c = q_n V_c w_c / W_n, the transpose of mean
 // so that sum_c V_c s_c c_c = sum_n q_n c_n for any q and c, and sum_c V_c s_c = sum_n q_n. w: void fraction, or 1. That
 // of faces: map.h.
@@ -18,7 +19,9 @@ namespace twogrid {
 class CellMap {
  public:
   /// own: the rank's own nodes; all of a node's fine cells are of its rank.
-  CellMap(const FineGrid& fine, const ParticleGrid& grid, const Box& own) : fine_(fine), grid_(grid), own_(own) {}
+  /// open: of the fluid, must outlive this; null: all is open.
+  CellMap(const FineGrid& fine, const ParticleGrid& grid, const Box& own, const OpenShares* open = nullptr)
+      : fine_(fine), grid_(grid), own_(own), open_(open) {}
 
   using Cells = std::array<const CellField<FineGrid>*, 4>;
   /// Sets component q of own nodes to the mean of cells[q], where that is not null. weight: w above zero; null: 1. Local.
@@ -32,11 +35,17 @@ class CellMap {
   double volume(int i, int j, int k) const {
     return fine_.axis[0].width(i) * fine_.axis[1].width(j) * fine_.axis[2].width(k);
   }
+  /// w of a cell.
+  double weight(int i, int j, int k, const CellField<FineGrid>* given) const {
+    const double w = given ? (*given)(i, j, k) : 1.0;
+    return open_ ? w * open_->theta()(i, j, k) : w;
+  }
   double weight_of(int I, int J, int K, const CellField<FineGrid>* weight) const;
 
   FineGrid fine_;
   ParticleGrid grid_;
   Box own_;
+  const OpenShares* open_;
 };
 
 }  // namespace twogrid

@@ -25,7 +25,7 @@ std::vector<Box> grown(std::vector<Box> boxes, const Int3& lo, const Int3& hi) {
 }  // namespace
 
 Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
-    : grid_(grid), layout_(node_layout(fluid.layout(), grid)), fine_(fluid.grid()) {
+    : grid_(grid), layout_(node_layout(fluid.layout(), grid)), shares_(fluid.open_shares()), fine_(fluid.grid()) {
   const int rank = rank_of(comm);
   own_ = layout_.cells(rank);
   const std::vector<Box> below = grown(layout_.all_cells(), {1, 1, 1}, {0, 0, 0});
@@ -77,10 +77,55 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
       of_own_nodes.hi[e] = own_.hi[e] * grid_.ratio[e] + (e == d);
     }
     open_[d] = OpenFaces(state, of_own_nodes);
+    if (!shares_) continue;
+    holds_back_[d] = false;
+    for_each(own_, [&](int I, int J, int K) {
+      const double sum = open_sum(d, I, J, K, [](int, int, int) { return 1.0; });
+      inverse_[d](I, J, K) = sum > 0 ? 1 / sum : 0.0;
+      if (!(sum > 0)) holds_back_[d] = true;
+    });
   }
   with_below_ = below[rank];
   row_.resize(std::size_t(own_.size(0)) * grid_.ratio[0] + 1);
   flux_.resize(row_.size());
+}
+
+/// Sum over the node's faces of W_nf times the value: each open cell of it gives half of its open volume to either face
+/// that is solved for.
+template <class Value>
+double Map::open_sum(int d, int I, int J, int K, Value value) const {
+  const int first = own_.lo[0] * grid_.ratio[0];
+  const CellField<FineGrid>& theta = shares_->theta();
+  double sum = 0;
+  for_each(grid_.block(I, J, K), [&](int i, int j, int k) {
+    const double half = 0.5 * theta(i, j, k) * width_[0][i] * width_[1][j] * width_[2][k];
+    if (half == 0) return;
+    for (int side : {0, 1}) {
+      Int3 f{i, j, k};
+      f[d] += side;
+      const double* const open = open_[d].row(f[1], f[2]);
+      if (!open || open[f[0] - first] > 0) sum += half * value(f[0], f[1], f[2]);
+    }
+  });
+  return sum;
+}
+
+void Map::mean_of_open(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
+                       const CellField<FineGrid>* eps) const {
+  const CellField<FineGrid>& theta = shares_->theta();
+  for (int d = 0; d < 3; ++d)
+    for_each(own_, [&](int I, int J, int K) {
+      const double sum = open_sum(d, I, J, K, [&](int i, int j, int k) {
+        if (!eps) return face[d](i, j, k);
+        // eps_f of the open space: theta eps over theta_f.
+        Int3 below{i, j, k};
+        const double share = above_share_[d][below[d]];
+        --below[d];
+        const double high = share * theta(i, j, k), low = (1 - share) * theta(below[0], below[1], below[2]);
+        return face[d](i, j, k) * (high * (*eps)(i, j, k) + low * (*eps)(below[0], below[1], below[2])) / (high + low);
+      });
+      node.data[node.stride * node.index(I, J, K)].at[d] = sum * inverse_[d](I, J, K);
+    });
 }
 
 double Map::integral(int d, int j, int k, const double* density) const {
@@ -143,6 +188,10 @@ inline void sum_blocks(int nodes, int r, std::ptrdiff_t all_nodes, const double*
 TWOGRID_VECTORISED void Map::mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
                                   const CellField<FineGrid>* eps) const {
   if (own_.empty()) return;
+  if (shares_) {
+    mean_of_open(face, node, eps);
+    return;
+  }
   const int nodes = own_.size(0), r = grid_.ratio[0], first = own_.lo[0] * r;
   const std::ptrdiff_t stride = 4 * node.stride;
   double* const sum = row_.data();
@@ -295,8 +344,34 @@ TWOGRID_VECTORISED void NodeSpread::fill_row(int d, int i, int j, int k, int n, 
   for (int q = 0; q < n; ++q) out[q] *= factor[q];
 }
 
+/// The same with open shares: either half of the face's volume has the value of the node it lies in, times theta.
+void NodeSpread::fill_open_row(int d, int i, int j, int k, int n, double* out) const {
+  const Map& map = *map_;
+  const CellField<ParticleGrid>& share = share_[d];
+  const CellField<FineGrid>& theta = map.shares_->theta();
+  const Int3& r = map.grid_.ratio;
+  const int last = map.fine_.axis[d].n();
+  const double* const open = map.open_[d].row(j, k);
+  for (int q = 0; q < n; ++q) {
+    const Int3 above{i + q, j, k};
+    Int3 below = above, N{above[0] / r[0], above[1] / r[1], above[2] / r[2]}, under = N;
+    --below[d];
+    if (above[d] % r[d] == 0) --under[d];
+    const double upper =
+        above[d] < last ? 0.5 * map.width_[d][above[d]] / map.face_width_[d][above[d]] : 0.0;  // above the last: none
+    double sum = 0;
+    if (upper > 0) sum += upper * theta(above[0], above[1], above[2]) * share(N[0], N[1], N[2]);
+    if (upper < 1) sum += (1 - upper) * theta(below[0], below[1], below[2]) * share(under[0], under[1], under[2]);
+    out[q] = open ? sum * open[i + q - map.faces_[d].lo[0]] : sum;
+  }
+}
+
 void NodeSpread::row(int d, int i, int j, int k, int n, double* out) const {
-  if (n > 0) fill_row(d, i, j, k, n, out);  // else a rank without cells
+  if (n <= 0) return;  // a rank without cells
+  if (map_->shares_)
+    fill_open_row(d, i, j, k, n, out);
+  else
+    fill_row(d, i, j, k, n, out);
 }
 
 void NodeSpread::field(int d, Array3<double>& out) const {
@@ -340,7 +415,7 @@ void Prolongation::operator()(CellField<ParticleGrid>& node, CellField<FineGrid>
     double deviation = 0;  // largest of the profile
     for (int d = 0; d < 3; ++d) {
       const Axis& a = grid_.axis[d];
-      if (grid_.ratio[d] == 1 || (!a.periodic() && (c[d] == 0 || c[d] == n[d] - 1))) continue;
+      if (grid_.ratio[d] == 1 || grid_.cut(I, J, K) || (!a.periodic() && (c[d] == 0 || c[d] == n[d] - 1))) continue;
       Int3 lo = c, hi = c;
       --lo[d], ++hi[d];
       const double below = (e - node(lo[0], lo[1], lo[2])) / (a.centre(c[d]) - a.centre(c[d] - 1));

@@ -7,7 +7,9 @@
 // zero. With the sum W_n over the block's faces,
 //   mean     u_n = sum_f W_nf u_f / W_n            (0 where W_n = 0)
 //   spread   V_f s_f = sum_n W_nf q_n / W_n,  V_f = sum_n W_nf: the part of the momentum volume inside the domain
-// so that sum_f V_f s_f u_f = sum_n q_n u_n for any q and u, and sum_f V_f s_f = sum_n q_n but for nodes with W_n = 0.
+// With open shares (cfd/measures/open_shares.h) each half of W_nf is weighed by theta of the cell it lies in, and closed
+// faces weigh zero; V_f stays the whole volume, so that s_f comes with the factor theta_f that the momentum balance wants.
+// So sum_f V_f s_f u_f = sum_n q_n u_n for any q and u, and sum_f V_f s_f = sum_n q_n but for nodes with W_n = 0.
 #pragma once
 
 #include <mpi.h>
@@ -29,7 +31,7 @@ class NodeSpread;
 
 class Map {
  public:
-  /// Keeps the fluid's face states of now. Collective.
+  /// Keeps the fluid's face states of now; its open shares must outlive this. Collective.
   Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid);
 
   const ParticleGrid& grid() const { return grid_; }
@@ -61,9 +63,15 @@ class Map {
               NodeSpread& beta) const;
 
  private:
+  template <class Value>
+  double open_sum(int d, int I, int J, int K, Value value) const;
+  void mean_of_open(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
+                    const CellField<FineGrid>* eps) const;
+
   ParticleGrid grid_;
   Layout layout_;
   Box own_;
+  const OpenShares* shares_;  // of the fluid; null: all is open
   std::array<Box, 3> faces_;
   FineGrid fine_;
   std::array<std::vector<double>, 3> width_;       // of fine cells (m)
@@ -92,6 +100,7 @@ class NodeSpread : public FaceRows {
 
  private:
   void fill_row(int d, int i, int j, int k, int n, double* out) const;
+  void fill_open_row(int d, int i, int j, int k, int n, double* out) const;
 
   const Map* map_ = nullptr;
   NodeVector<CellField<ParticleGrid>> share_;  // q_n / W_n on own nodes and those below
@@ -109,7 +118,8 @@ class Prolongation {
   /// node covers own nodes and a halo of one (filled here when needed); fine covers own cells and a halo of two, filled
   /// here: owners' values, and beyond sides that are not periodic copies of the cell at the side. Collective.
   /// Linear: e_n + sum_d g_d (x - x_n), g_d the smaller of the two one-sided slopes (zero where they differ in sign),
-  /// scaled back so that eps_min <= eps <= 1. The block's mean stays e_n: no volume is gained or lost.
+  /// scaled back so that eps_min <= eps <= 1. The block's mean stays e_n: no volume is gained or lost. Constant in blocks
+  /// that a body cuts.
   void operator()(CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;
   /// The same, constant in each block.
   void constant(const CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;

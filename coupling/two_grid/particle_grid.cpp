@@ -20,6 +20,31 @@ ParticleGrid::ParticleGrid(const FineGrid& fine, const Int3& r) : ratio(r) {
   }
 }
 
+void ParticleGrid::take_open_part(const OpenShares* open, const FineGrid& fine, const Box& own) {
+  open_ = nullptr;
+  if (!open) return;
+  auto volumes = std::make_shared<Array3<double>>(own);
+  for_each(own, [&](int I, int J, int K) {
+    bool whole = true;
+    double sum = 0;
+    for_each(block(I, J, K), [&](int i, int j, int k) {
+      const double theta = open->theta()(i, j, k);
+      whole = whole && theta == 1;
+      sum += theta * fine.volume(i, j, k);
+    });
+    (*volumes)(I, J, K) = whole ? Grid::volume(I, J, K) : sum;
+  });
+  open_ = volumes;
+}
+
+double ParticleGrid::domain_volume(MPI_Comm comm) const {
+  if (!open_) return axis[0].length() * axis[1].length() * axis[2].length();
+  double sum = 0;
+  for_each(open_->box(), [&](int i, int j, int k) { sum += (*open_)(i, j, k); });
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
+  return sum;
+}
+
 double ParticleGrid::largest_volume() const {
   double v = 1;
   for (const Axis& a : axis) {

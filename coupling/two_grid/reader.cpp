@@ -28,7 +28,7 @@ Reader::Reader(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid, cons
       read_(read),
       width_(width),
       map_(comm, fluid, grid),
-      cell_map_(fluid.grid(), map_.grid(), map_.own()) {
+      cell_map_(fluid.grid(), map_.grid(), map_.own(), fluid.open_shares()) {
   move_region(region);
 }
 

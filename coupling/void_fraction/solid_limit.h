@@ -1,4 +1,4 @@
-// The lower bound of the void fraction: no node may hold more solid than (1 - eps_min) of its volume.
+// The lower bound of the void fraction: no node may hold more solid than (1 - eps_min) of its (open) volume.
 //
 // move: what is too much goes to neighbours that have room, in proportion to their room; where none of the six has any,
 //   one step along the shortest ways to nodes with room; and so on until all is placed. Nothing is thrown away. If no

@@ -26,6 +26,7 @@ VoidFraction::VoidFraction(CouplingState& state, MPI_Comm comm, const Settings& 
       settings_(settings),
       grid_(fluid.grid()),
       nodes_(nodes),
+      open_(fluid.open_shares()),
       own_cells_(fluid.layout().cells(rank_of(comm))),
       own_nodes_(node_layout(fluid.layout(), nodes).cells(rank_of(comm))),
       same_places_((settings.deposit == Deposit::kTrilinear && settings.read == Read::kTrilinear) ||
@@ -64,15 +65,20 @@ void VoidFraction::deposit(const Particles& p, const Selection& selection, const
   state_.volume_unplaced = limited.unplaced;
   double eps_min = 1;
   for_each(own_nodes_, [&](int i, int j, int k) {
-    const double eps = 1 - scale.value(solid_(i, j, k)) / nodes_.volume(i, j, k);
+    const double eps = 1 - nodes_.share_of(scale.value(solid_(i, j, k)), i, j, k);
     state_.eps(i, j, k) = eps;
     eps_min = std::min(eps_min, eps);
   });
   state_.eps_min = eps_min;
   if (limited.unplaced > 0) check_room();  // else no node is above the bound
   prolongation_(state_.eps, fine);
-  for_each(own_cells_,
-           [&](int i, int j, int k) { ledger.deposited_volume += (1 - fine(i, j, k)) * grid_.volume(i, j, k); });
+  if (open_)
+    for_each(own_cells_, [&](int i, int j, int k) {
+      ledger.deposited_volume += (1 - fine(i, j, k)) * (open_->theta()(i, j, k) * grid_.volume(i, j, k));
+    });
+  else
+    for_each(own_cells_,
+             [&](int i, int j, int k) { ledger.deposited_volume += (1 - fine(i, j, k)) * grid_.volume(i, j, k); });
   state_.volume = ledger.deposited_volume.value();
 }
 
@@ -102,7 +108,7 @@ const CellField<FineGrid>* VoidFraction::replacement(const Particles& p, const S
   deposit_(p, selection.new_ones(), inserted_);
   const FixedPoint& scale = deposit_.scale();
   for_each(own_nodes_, [&](int i, int j, int k) {
-    replaced_(i, j, k) = 0 - scale.value(inserted_(i, j, k)) / nodes_.volume(i, j, k);
+    replaced_(i, j, k) = 0 - nodes_.share_of(scale.value(inserted_(i, j, k)), i, j, k);
   });
   prolongation_.constant(replaced_, replaced_cells_);
   if (change_.changed)
@@ -128,7 +134,7 @@ void VoidFraction::lay_out(const Particles& p, const Selection& selection, CellF
   limit_(scale, inserted_);
   if (eps.size() == 0) eps.reset(state_.eps.box(), 1.0);
   for_each(own_nodes_,
-           [&](int i, int j, int k) { eps(i, j, k) = 1 - scale.value(inserted_(i, j, k)) / nodes_.volume(i, j, k); });
+           [&](int i, int j, int k) { eps(i, j, k) = 1 - nodes_.share_of(scale.value(inserted_(i, j, k)), i, j, k); });
 }
 
 void VoidFraction::rest(const Particles& p, const Selection& selection) {

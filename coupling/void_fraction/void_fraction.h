@@ -55,6 +55,7 @@ class VoidFraction {
   Settings settings_;
   FineGrid grid_;
   ParticleGrid nodes_;
+  const OpenShares* open_;  // of the fluid
   Box own_cells_, own_nodes_;
   bool same_places_;  // deposit and read have the same weights
   VoidHistory history_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cfd/fluid/fluid.h"
+#include "cfd/measures/grid_measures.h"
 #include "cfd/parallel/block_exchange.h"
 #include "coupling/particles/particles.h"
 #include "coupling/two_grid/window.h"
@@ -90,6 +91,7 @@ class FakeFluid : public Fluid {
   double density() const override { return density_; }
   double viscosity() const override { return viscosity_; }
   const Array3<FaceState>& face_state(int d) const override { return state_[d]; }
+  const OpenShares* open_shares() const override { return open_.get(); }
   const FaceField<FineGrid>& velocity() const override { return u_; }
   const FaceField<FineGrid>& mean_velocity() const override { return mean_; }
   const FaceField<FineGrid>& mean_pressure_gradient() const override { return gradient_; }
@@ -121,6 +123,38 @@ class FakeFluid : public Fluid {
     });
   }
 
+  /// Open shares from functions of position, closed faces fixed; face: of direction and the face's centre.
+  void cut(const std::function<double(int, const Vec3&)>& alpha_at,
+           const std::function<double(const Vec3&)>& theta_at) {
+    const Box& local = eps_.box();
+    const GridMeasures measures(grid_, own_cells_, local);
+    FaceField<FineGrid> alpha, theta_f;
+    CellField<FineGrid> theta(local, 1.0);
+    const auto inside = [&](Vec3 x) {
+      for (int d = 0; d < 3; ++d) {
+        const Axis& a = grid_.axis[d];
+        if (a.periodic()) x[d] -= a.length() * std::floor((x[d] - a.lo()) / a.length() + 1e-9);
+      }
+      return x;
+    };
+    double open = 0;
+    for_each(local, [&](int i, int j, int k) {
+      theta(i, j, k) = theta_at(inside({grid_.axis[0].centre(i), grid_.axis[1].centre(j), grid_.axis[2].centre(k)}));
+    });
+    for_each(own_cells_, [&](int i, int j, int k) { open += theta(i, j, k) * grid_.volume(i, j, k); });
+    MPI_Allreduce(MPI_IN_PLACE, &open, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    for (int d = 0; d < 3; ++d) alpha[d].reset(local, 1.0), theta_f[d].reset(local, 1.0);
+    set(alpha, [&](int d, const Vec3& x) { return alpha_at(d, inside(x)); });
+    measures.face_mean(theta, theta_f);
+    for (int d = 0; d < 3; ++d)
+      for_each(intersect(state_[d].box(), local), [&](int i, int j, int k) {
+        if (!(alpha[d](i, j, k) > 0)) state_[d](i, j, k) = FaceState::kFixed;
+      });
+    open_ = std::make_unique<OpenShares>(measures, local, alpha, std::move(theta), std::move(theta_f),
+                                         FaceField<FineGrid>{}, open);
+  }
+
+  std::unique_ptr<OpenShares> open_;
   FaceField<FineGrid> u_, mean_, gradient_;
   CellField<FineGrid> eps_, pressure_;
   std::array<Array3<FaceState>, 3> state_;
@@ -133,6 +167,27 @@ class FakeFluid : public Fluid {
   Layout layout_;
   double density_, viscosity_, time_ = 0;
 };
+
+/// Shares of a body that closes a corner of the box and cuts the cells around it.
+inline double body_theta(const Vec3& x) {
+  return std::min(1.0, std::max(0.0, 4 * (x[0] + 0.6 * x[1] + 0.2 * x[2] - 0.35)));
+}
+inline double body_alpha(const FineGrid& grid, int d, const Vec3& x) {
+  const Axis& a = grid.axis[d];
+  int f = 0;
+  while (f < a.n() && std::abs(a.node(f) - x[d]) > 1e-6) ++f;
+  double least = 1;
+  for (int c : {f - 1, f}) {
+    if (!a.periodic()) c = std::min(std::max(c, 0), a.n() - 1);
+    Vec3 cell = x;
+    cell[d] = a.centre(a.periodic() ? (c + a.n()) % a.n() : c);
+    least = std::min(least, body_theta(cell));
+  }
+  return least > 0.05 ? 0.3 + 0.7 * least : 0.0;
+}
+inline void cut_corner(FakeFluid& fluid) {
+  fluid.cut([&](int d, const Vec3& x) { return body_alpha(fluid.grid(), d, x); }, body_theta);
+}
 
 /// Rows of an exchange as a field of one direction.
 inline Array3<double> made(const FaceRows* rows, int d, const Box& faces) {

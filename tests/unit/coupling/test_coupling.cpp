@@ -297,41 +297,46 @@ struct SmallBox {
   }
 };
 
-// All ways of depositing, prolonging and reading, A and B: volume and momentum are kept, particles at walls included.
+// All ways of depositing, prolonging and reading, A and B: volume and momentum are kept, particles at walls included, and
+// beside and inside a body.
 TEST(CouplingMethods, VolumeAndMomentumAreKept) {
   double worst_momentum = 0, worst_volume = 0;
   for (Deposit deposit : {Deposit::kCentroid, Deposit::kTrilinear, Deposit::kExact, Deposit::kCube})
     for (Read read : {Read::kCell, Read::kTrilinear, Read::kFine, Read::kFineTrilinear, Read::kKernel, Read::kCube})
-      for (Formulation form : {Formulation::kA, Formulation::kB}) {
-        SmallBox s;
-        s.settings.deposit = deposit;
-        s.settings.read = read;
-        s.settings.formulation = form;
-        s.settings.prolong = form == Formulation::kA ? Prolong::kLinear : Prolong::kConstant;
-        s.settings.kernel_width = 0.3;
-        s.settings.cube_edge = 0.25;
-        s.settings.hold_flux = form == Formulation::kA ? Choice::kOn : Choice::kOff;
-        for (int q = 0; q < 40; ++q)
-          s.add({0.5 + 0.52 * std::sin(1.0 + q), 0.5 + 0.5 * std::cos(2.3 * q), 1 + std::sin(0.7 * q)},
-                {0.1 * q, -0.2, 0.3}, q + 1);
-        s.fluid.set(s.fluid.u_, [](int d, const Vec3& x) { return 2.0 + d + std::sin(3 * x[0] + x[2]); });
-        s.fluid.mean_ = s.fluid.u_;
-        for (int d = 0; d < 3; ++d)  // walls are at rest
-          for_each(s.fluid.u_[d].box(), [&](int i, int j, int k) {
-            if (s.fluid.state_[d](i, j, k) == FaceState::kFixed) s.fluid.u_[d](i, j, k) = s.fluid.mean_[d](i, j, k) = 0;
-          });
-        s.begin();
-        for (int n = 0; n < 3; ++n) {
-          s.advance(4);
-          EXPECT_EQ(s.coupling->report().particles, 40);
-          worst_momentum = std::max(worst_momentum, s.coupling->report().momentum_error);
-          worst_volume = std::max(worst_volume, s.coupling->report().solid_volume_error);
+      for (Formulation form : {Formulation::kA, Formulation::kB})
+        for (bool body : {false, true}) {
+          SmallBox s;
+          if (body) cut_corner(s.fluid);
+          s.settings.deposit = deposit;
+          s.settings.read = read;
+          s.settings.formulation = form;
+          s.settings.prolong = form == Formulation::kA ? Prolong::kLinear : Prolong::kConstant;
+          s.settings.kernel_width = 0.3;
+          s.settings.cube_edge = 0.25;
+          s.settings.hold_flux = form == Formulation::kA ? Choice::kOn : Choice::kOff;
+          for (int q = 0; q < 40; ++q)
+            s.add({0.5 + 0.52 * std::sin(1.0 + q), 0.5 + 0.5 * std::cos(2.3 * q), 1 + std::sin(0.7 * q)},
+                  {0.1 * q, -0.2, 0.3}, q + 1);
+          s.fluid.set(s.fluid.u_, [](int d, const Vec3& x) { return 2.0 + d + std::sin(3 * x[0] + x[2]); });
+          s.fluid.mean_ = s.fluid.u_;
+          for (int d = 0; d < 3; ++d)  // walls are at rest
+            for_each(s.fluid.u_[d].box(), [&](int i, int j, int k) {
+              if (s.fluid.state_[d](i, j, k) == FaceState::kFixed)
+                s.fluid.u_[d](i, j, k) = s.fluid.mean_[d](i, j, k) = 0;
+            });
+          s.begin();
+          for (int n = 0; n < 3; ++n) {
+            s.advance(4);
+            EXPECT_EQ(s.coupling->report().particles, 40);
+            worst_momentum = std::max(worst_momentum, s.coupling->report().momentum_error);
+            worst_volume = std::max(worst_volume, s.coupling->report().solid_volume_error);
+          }
         }
-      }
   EXPECT_LE(worst_momentum, 1e-14);
   EXPECT_LE(worst_volume, 1e-13);
   if (rank_of(MPI_COMM_WORLD) == 0)
-    printf("             48 methods: momentum error %.1e, volume error %.1e\n", worst_momentum, worst_volume);
+    printf("             48 methods, without and with a body: momentum error %.1e, volume error %.1e\n", worst_momentum,
+           worst_volume);
 }
 
 // An inserted particle replaces fluid at once: if it counted as motion the fluid would be pushed aside in one interval,

@@ -1,7 +1,8 @@
 // The map between the two grids: mean over a node's faces, and its transpose.
 //
 // Without these tests would pass: a mean that is off where the grid is stretched or a wall takes part of a block's
-// faces; a reaction that goes to other faces than were read, so that action and reaction only cancel on average.
+// faces; a reaction that goes to other faces than were read, so that action and reaction only cancel on average; a body
+// in the grid that reads or takes what the fluid beside it should.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -125,52 +126,101 @@ TEST(Map, WallsHaveNoWeight) {
 }
 
 TEST(Map, SpreadIsTheTransposeOfMean) {
-  for (double stretch : {1.0, 1.1})
-    for (Int3 ratio : {Int3{1, 1, 1}, Int3{2, 2, 4}, Int3{8, 4, 2}})
-      for (int sides = 0; sides < 3; ++sides) {
-        MapScene s(ratio, {sides == 1, sides == 1, sides >= 1}, stretch);
-        if (sides == 0) s.fluid->open_side(2, true);  // an outlet is solved for
-        s.make();
-        // Values from the position alone, so that all ranks agree on those they share. Periodic in z where z is.
-        s.fluid->set(s.fluid->u_, [](int d, const Vec3& x) {
-          return std::sin(2 * M_PI * x[0] + d) + std::cos(2 * M_PI * x[1]) + std::sin(M_PI * x[2] + 0.3);
-        });
-        const auto n = s.mean();
-        Sum left, right, given, received, given_beta, received_beta;
-        const std::array<FixedPoint, 2> scale{FixedPoint(1.0, 100), FixedPoint(2.0, 1)};
-        const auto made = s.spread(scale, [&](int i, int j, int k) {
-          FourWholeNumbers whole;
-          for (int c = 0; c < 4; ++c) {
-            const FixedPoint& unit = scale[c < 3 ? 0 : 1];
-            whole.at[c] = unit.quantise(std::sin(1.0 + 3 * i + 5 * j + 7 * k + 11 * c) + (c == 3));
-            const double q = unit.value(whole.at[c]);
-            if (c < 3) left += q * n[c](i, j, k);
-            c < 3 ? given += q : given_beta += 3 * q;
-          }
-          return whole;
-        });
-        for (int d = 0; d < 3; ++d) {
-          received += made.held_back[d];
-          for_each(s.map->faces(d), [&](int i, int j, int k) {
-            const double v = s.map->face_volume(d, i, j, k), f = made.source[d](i, j, k) * v;
-            received_beta += made.beta[d](i, j, k) * v;
-            if (f == 0) return;
-            right += f * s.fluid->u_[d](i, j, k);
-            received += f;
+  for (bool body : {false, true})
+    for (double stretch : {1.0, 1.1})
+      for (Int3 ratio : {Int3{1, 1, 1}, Int3{2, 2, 4}, Int3{8, 4, 2}})
+        for (int sides = 0; sides < 3; ++sides) {
+          MapScene s(ratio, {sides == 1, sides == 1, sides >= 1}, stretch);
+          if (sides == 0) s.fluid->open_side(2, true);  // an outlet is solved for
+          if (body) cut_corner(*s.fluid);
+          s.make();
+          // Values from the position alone, so that all ranks agree on those they share. Periodic in z where z is.
+          s.fluid->set(s.fluid->u_, [](int d, const Vec3& x) {
+            return std::sin(2 * M_PI * x[0] + d) + std::cos(2 * M_PI * x[1]) + std::sin(M_PI * x[2] + 0.3);
           });
-          const Box& b = s.map->faces(d);
-          double by_rows = 0, by_faces = 0;
-          for (int k = b.lo[2]; k < b.hi[2]; ++k)
-            for (int j = b.lo[1]; j < b.hi[1]; ++j)
-              by_rows += s.map->integral(d, j, k, &made.source[d].data()[made.source[d].index(b.lo[0], j, k)]);
-          for_each(b,
-                   [&](int i, int j, int k) { by_faces += made.source[d](i, j, k) * s.map->face_volume(d, i, j, k); });
-          EXPECT_NEAR(by_rows, by_faces, 1e-12);
+          const auto n = s.mean();
+          Sum left, right, given, received, given_beta, received_beta;
+          const std::array<FixedPoint, 2> scale{FixedPoint(1.0, 100), FixedPoint(2.0, 1)};
+          const auto made = s.spread(scale, [&](int i, int j, int k) {
+            FourWholeNumbers whole;
+            for (int c = 0; c < 4; ++c) {
+              const FixedPoint& unit = scale[c < 3 ? 0 : 1];
+              whole.at[c] = unit.quantise(std::sin(1.0 + 3 * i + 5 * j + 7 * k + 11 * c) + (c == 3));
+              const double q = unit.value(whole.at[c]);
+              if (c < 3) left += q * n[c](i, j, k);
+              if (c < 3) given += q;
+              for (int d = 0; c == 3 && d < 3; ++d)
+                if (n[d](i, j, k) != 0) given_beta += q;  // else no face takes it: inside the body
+            }
+            return whole;
+          });
+          for (int d = 0; d < 3; ++d) {
+            received += made.held_back[d];
+            for_each(s.map->faces(d), [&](int i, int j, int k) {
+              const double v = s.map->face_volume(d, i, j, k), f = made.source[d](i, j, k) * v;
+              received_beta += made.beta[d](i, j, k) * v;
+              if (f == 0) return;
+              right += f * s.fluid->u_[d](i, j, k);
+              received += f;
+            });
+            const Box& b = s.map->faces(d);
+            double by_rows = 0, by_faces = 0;
+            for (int k = b.lo[2]; k < b.hi[2]; ++k)
+              for (int j = b.lo[1]; j < b.hi[1]; ++j)
+                by_rows += s.map->integral(d, j, k, &made.source[d].data()[made.source[d].index(b.lo[0], j, k)]);
+            for_each(
+                b, [&](int i, int j, int k) { by_faces += made.source[d](i, j, k) * s.map->face_volume(d, i, j, k); });
+            EXPECT_NEAR(by_rows, by_faces, 1e-12);
+          }
+          EXPECT_NEAR(total(given_beta.value()), total(received_beta.value()), 1e-11);
+          EXPECT_NEAR(total(left.value()), total(right.value()), 1e-12);
+          EXPECT_NEAR(total(given.value()), total(received.value()), 1e-12);
         }
-        EXPECT_NEAR(total(given_beta.value()), total(received_beta.value()), 1e-11);
-        EXPECT_NEAR(total(left.value()), total(right.value()), 1e-12);
-        EXPECT_NEAR(total(given.value()), total(received.value()), 1e-12);
+}
+
+// Shares that are all 1 change nothing but rounding; weights are those of the halves, each with its cell's theta.
+TEST(Map, OpenSharesWeighHalves) {
+  for (Int3 ratio : {Int3{1, 1, 1}, Int3{2, 2, 4}, Int3{4, 1, 2}}) {
+    std::vector<double> found[2];
+    for (bool open : {false, true}) {
+      MapScene s(ratio, {false, true, false}, 1.1);
+      if (open) s.fluid->cut([](int, const Vec3&) { return 1.0; }, [](const Vec3&) { return 1.0; });
+      s.make();
+      s.fluid->set(s.fluid->u_, [](int d, const Vec3& x) { return std::sin(6 * x[0] + d) + x[2] * x[2]; });
+      const auto n = s.mean();
+      const std::array<FixedPoint, 2> scale{FixedPoint(8.0, 1), FixedPoint(8.0, 1)};
+      const auto made = s.spread(scale, [&](int i, int j, int k) {
+        const long long q = scale[0].quantise(std::sin(1.0 + 3 * i + 5 * j + 7 * k));
+        return FourWholeNumbers{{q, q, q, q}};
+      });
+      for (int d = 0; d < 3; ++d) {
+        for_each(s.map->own(), [&](int i, int j, int k) { found[open].push_back(n[d](i, j, k)); });
+        for (const Array3<double>* f : {&made.source[d], &made.beta[d]})
+          found[open].insert(found[open].end(), f->data(), f->data() + f->size());
       }
+    }
+    ASSERT_EQ(found[0].size(), found[1].size());
+    for (std::size_t m = 0; m < found[0].size(); ++m)
+      EXPECT_NEAR(found[0][m], found[1][m], 1e-13 * std::max(1.0, std::abs(found[0][m])));
+
+    MapScene s(ratio, {false, true, false}, 1.1);
+    cut_corner(*s.fluid);
+    s.make();
+    s.fluid->set(s.fluid->u_, [](int d, const Vec3&) { return 3.0 + d; });
+    const auto n = s.mean();
+    const CellField<FineGrid>& theta = s.fluid->open_->theta();
+    for (int d = 0; d < 3; ++d)
+      for_each(s.map->own(), [&](int I, int J, int K) {
+        double weight = 0;
+        for_each(s.map->grid().block(I, J, K), [&](int i, int j, int k) { weight += theta(i, j, k); });
+        if (weight == 0) {
+          EXPECT_EQ(n[d](I, J, K), 0);
+        }
+        if (n[d](I, J, K) != 0) {
+          EXPECT_NEAR(n[d](I, J, K), 3.0 + d, 1e-14);
+        }
+      });
+  }
 }
 
 }  // namespace
