@@ -2,13 +2,10 @@
 
 #include <atom.h>
 #include <comm.h>
-#include <domain.h>
-#include <error.h>
 #include <fix_property_atom.h>
 #include <force.h>
 #include <integrate.h>
 #include <lammps.h>
-#include <memory.h>
 #include <modify.h>
 #include <neighbor.h>
 #include <output.h>
@@ -17,11 +14,7 @@
 #include <update.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <ctime>
-#include <iterator>
 #include <stdexcept>
 
 #include "liggghts_fixes/contacts/pair_switch.h"
@@ -52,14 +45,6 @@ constexpr double kPatience = 10;  // s that a signal waits for the end of a coup
 constexpr int kUserColumns = 10;
 static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
               "the state's first ten columns are the user's per-atom array");
-
-double cpu_seconds() {
-  return double(std::clock()) / CLOCKS_PER_SEC;
-}
-
-Shares operator-(const Shares& a, const Shares& b) {
-  return {a.deposit - b.deposit, a.map - b.map, a.fluid - b.fluid, a.output - b.output, a.force - b.force};
-}
 
 }  // namespace
 
@@ -200,6 +185,7 @@ void FixTwogrid::build() {
   if (best_skin_option()) chosen_skin_ = choose_skin(*lmp, facts);
   if (script_.every_auto) s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
   if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
+  schedule_ = Schedule(s.accuracy > 0 && script_.every_auto);
   accuracy_ = Accuracy(s.accuracy, s.every, script_.every_auto, s.fluid.cfl, !s.cfl_given && s.fluid.dt == 0);
 
   const Layout layout = fluid_layout(*lmp, grid, s.ratio);
@@ -236,30 +222,10 @@ void FixTwogrid::open_output() {
 }
 
 Particles FixTwogrid::particles() {
-  // Fetched at every call: LIGGGHTS reallocates these arrays at any exchange.
-  using Three = double(*)[3];
   array_atom = state_->array_atom;
-  Particles p;
-  p.n = atom->nlocal;
-  p.x = reinterpret_cast<Three>(atom->x ? atom->x[0] : nullptr);
-  p.v = reinterpret_cast<Three>(atom->v ? atom->v[0] : nullptr);
-  p.f = reinterpret_cast<Three>(atom->f ? atom->f[0] : nullptr);
-  p.radius = atom->radius;
-  p.mass = atom->rmass;
-  p.tag = atom->tag;
-  p.mask = atom->mask;
-  p.group = groupbit;
-  for (int d = 0; d < 3; ++d)
-    p.moving[d] = motion_.moving[d], p.fixed[d] = motion_.fixed[d], p.frozen[d] = motion_.frozen[d];
-  p.still = motion_.still;
-  p.growing = motion_.grows;
+  Particles p = view_particles(*lmp, groupbit, motion_, *state_, *step_);
   p.watched = watchers_ || motion_.still || update->ntimestep == output->next ||
-              update->ntimestep == update->laststep ||
-              (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_);
-  p.state = state_->array_atom;
-  p.step = step_->array_atom;
-  for (int d = 0; d < 3; ++d)
-    if (domain->periodicity[d]) p.period[d] = domain->prd[d];
+              update->ntimestep == update->laststep || frame_due();
   return p;
 }
 
@@ -287,14 +253,10 @@ void FixTwogrid::setup(int) {
     watch_coupling();
     warn_of_unused_options("-fluid_", "-fluid_momentum_");  // asked for when viscosity is first implicit
 
-    if (output_ && script_.settings.output.every > 0 && update->ntimestep >= next_frame_) write_frame(p);
-    particles_before_ = -1;  // commands between runs may have deleted some
+    if (frame_due()) write_frame(p);
+    schedule_.begin_run();
     progress_.begin(MPI_Wtime(), update->laststep - update->firststep);
-    wall_begin_ = MPI_Wtime();
-    cpu_begin_ = cpu_seconds();
-    step_begin_ = update->ntimestep;
-    shares_begin_ = coupling_->shares();
-    output_begin_ = output_seconds_;
+    times_.begin(update->ntimestep, coupling_->shares());
   });
 }
 
@@ -316,14 +278,11 @@ void FixTwogrid::pre_initial_integrate() {
 
 void FixTwogrid::pre_force(int) {
   guarded([&] {
-    ++steps_since_coupling_;
-    time_since_coupling_ += update->dt;
-    coupled_now_ = accuracy_.on() && script_.every_auto ? steps_since_coupling_ >= accuracy_.every()
-                                                        : update->ntimestep % script_.settings.every == 0;
-    if (coupled_now_) couple();
+    schedule_.count_step(update->ntimestep, update->dt, script_.settings.every);
+    if (schedule_.coupling()) couple();
     // Nothing moves: between couplings and outputs every step is the one before, contacts included.
-    quiet_ = motion_.still && !coupled_now_ && update->ntimestep != output->next && modify->n_end_of_step == 1 &&
-             update->ntimestep != update->laststep;
+    quiet_ = motion_.still && !schedule_.coupling() && update->ntimestep != output->next &&
+             modify->n_end_of_step == 1 && update->ntimestep != update->laststep;
     if (motion_.still) skip_pair(*update->integrate, quiet_, force->pair && force->pair->compute_flag);
   });
 }
@@ -333,34 +292,25 @@ void FixTwogrid::couple() {
   Particles p = particles();
   const bool check = accuracy_.due();
   coupling_begin_ = MPI_Wtime();
-  coupling_->advance(p, steps_since_coupling_, time_since_coupling_ / steps_since_coupling_, check);
+  coupling_->advance(p, schedule_.steps(), schedule_.mean_dt(), check);
   accuracy_.count_coupling();
   if (check) adjust_steps();
   watch_coupling();
   // The coupling has changed velocities. Ghosts must follow, or else the two sides of a contact across a border of
   // ranks or of the box see different damping, and momentum is lost.
   comm->forward_comm();
-  last_interval_ = time_since_coupling_;
-  steps_since_coupling_ = 0;
-  time_since_coupling_ = 0;
+  schedule_.end_interval();
 }
 
 /// Says what the last coupling's report should not go on without.
 void FixTwogrid::watch_coupling() {
-  for (const std::string& sentence : watch_.look(coupling_->report(), steps_since_coupling_, update->dt))
+  for (const std::string& sentence : watch_.look(coupling_->report(), schedule_.steps(), update->dt))
     warn(sentence + " (step " + std::to_string(update->ntimestep) + ")");
 }
 
 /// Options of the command line that begin so, not the others, and that nothing has asked for: misspelt, most likely.
 void FixTwogrid::warn_of_unused_options(const std::string& beginning, const std::string& but) {
-  for (const std::string& option : unused_options(beginning)) {
-    if (!but.empty() && option.rfind(but, 0) == 0) continue;
-    if (std::find(unused_said_.begin(), unused_said_.end(), option) != unused_said_.end()) continue;
-    unused_said_.push_back(option);
-    warn("nothing has asked for the option " + option +
-         " of the command line: look how it is spelt (-fluid_pressure_..., -fluid_momentum_... and PETSc's name "
-         "after it), or take it out");
-  }
+  for (const std::string& sentence : unused_options_.sentences(beginning, but)) warn(sentence);
 }
 
 /// Between the fluid steps of one coupling: progress, and signals that can't wait for its end.
@@ -394,15 +344,10 @@ void FixTwogrid::watch_particles(long long own_signal) {
   if (sum[1] > 0) SignalHandler::request_quit = true;  // ends the run on all ranks after this step
 
   // LIGGGHTS forgets particles that leave by a side in silence.
-  if (particles_before_ > sum[0]) lost_ += particles_before_ - sum[0];
-  particles_before_ = sum[0];
-  if (lost_ > 2 * lost_said_) {
-    warn(std::to_string(lost_) + " particle(s) have vanished up to step " + std::to_string(update->ntimestep) +
+  if (const long long lost = schedule_.count_particles(sum[0]); lost > 0)
+    warn(std::to_string(lost) + " particle(s) have vanished up to step " + std::to_string(update->ntimestep) +
          ": unless the script deletes them, they left the box by a side that is not periodic; put a wall there, or "
-         "lower "
-         "timestep if they broke through one");
-    lost_said_ = lost_;
-  }
+         "lower timestep if they broke through one");
 }
 
 void FixTwogrid::post_force(int) {
@@ -421,44 +366,44 @@ void FixTwogrid::end_of_step() {
   if (quiet_) return;
   Particles moved = particles();
   coupling_->finish_step(moved);
-  if (coupled_now_) end_coupling();
+  if (schedule_.coupling()) end_coupling();
   // Before other fixes' post_run, which may change particles.
   if (update->ntimestep == update->laststep) guarded([&] { coupling_->rest(moved); });
 }
 
 void FixTwogrid::end_coupling() {
-  coupled_now_ = false;
+  schedule_.end_step();
   guarded([&] {
     if (output_) {
-      const double begin = cpu_seconds();
       Particles p = particles();
-      output_->average(last_interval_, p);
-      output_seconds_ += cpu_seconds() - begin;
-      if (script_.settings.output.every > 0 && update->ntimestep >= next_frame_) write_frame(p);
+      {
+        const Stopwatch watch = times_.output();
+        output_->average(schedule_.interval(), p);
+      }
+      if (frame_due()) write_frame(p);
     }
     const std::string line =
-        progress_.line(MPI_Wtime(), update->ntimestep - step_begin_, coupling_->report().fluid_time);
+        progress_.line(MPI_Wtime(), times_.done(update->ntimestep), coupling_->report().fluid_time);
     if (!line.empty()) say(line + "\n");
   });
 }
 
+bool FixTwogrid::frame_due() const {
+  return output_ && schedule_.frame_due(update->ntimestep, script_.settings.output.every);
+}
+
 void FixTwogrid::write_frame(const Particles& p) {
-  const double begin = cpu_seconds();
+  const Stopwatch watch = times_.output();
   output_->frame(coupling_->report().fluid_time, long(update->ntimestep), p);
-  const long long every = script_.settings.output.every;
-  next_frame_ = (update->ntimestep / every + 1) * every;
-  output_seconds_ += cpu_seconds() - begin;
+  schedule_.frame_written(update->ntimestep, script_.settings.output.every);
 }
 
 void FixTwogrid::post_run() {
   if (!set_up_) return;
   guarded([&] {
     if (output_) output_->finish();
-    const Shares s = coupling_->shares() - shares_begin_;
-    double sum[6] = {s.deposit, s.map, s.fluid, output_seconds_ - output_begin_, s.force, cpu_seconds() - cpu_begin_};
-    MPI_Allreduce(MPI_IN_PLACE, sum, 6, MPI_DOUBLE, MPI_SUM, world);
-    if (update->ntimestep > step_begin_)
-      say(shares_text(MPI_Wtime() - wall_begin_, sum[5], Shares{sum[0], sum[1], sum[2], sum[3], sum[4]}) + "\n");
+    const std::string times = times_.text(world, coupling_->shares());
+    if (times_.done(update->ntimestep) > 0) say(times + "\n");
     warn_of_unused_options("-", "");
     if (accuracy_.on()) say(accuracy_text(accuracy_) + "\n");
     Particles p = particles();

@@ -25,6 +25,7 @@
 
 #include "cfd/fluid_solver.h"
 #include "coupling/control/accuracy.h"
+#include "coupling/control/schedule.h"
 #include "coupling/coupling.h"
 #include "coupling/output/output.h"
 #include "liggghts_fixes/liggghts/balance.h"
@@ -32,6 +33,8 @@
 #include "liggghts_fixes/liggghts/script_names.h"
 #include "liggghts_fixes/report/coupling_watch.h"
 #include "liggghts_fixes/report/progress.h"
+#include "liggghts_fixes/report/run_times.h"
+#include "liggghts_fixes/run/petsc_session.h"
 #include "liggghts_fixes/script/script_parser.h"
 
 namespace LAMMPS_NS {
@@ -85,6 +88,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void warn_of_unused_options(const std::string& beginning, const std::string& but);
   void watch_fluid_step(int steps, double share);
   void watch_particles(long long own_signal);
+  bool frame_due() const;
   void write_frame(const Particles& p);
   void say(const std::string& text) const;
   void warn(const std::string& text) const;
@@ -102,31 +106,22 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::unique_ptr<Balance> balance_;  // null: not wanted
   bool balance_said_ = false;
 
-  bool set_up_ = false;           // LIGGGHTS has set up a run since this fix was made or modified
-  bool started_ = false;          // the coupling has deposited once
-  int steps_since_coupling_ = 0;  // DEM steps that the particles have run since the last coupling
-  double time_since_coupling_ = 0;
-  bool coupled_now_ = false;  // this step is a coupling
+  Schedule schedule_;
+  bool set_up_ = false;   // LIGGGHTS has set up a run since this fix was made or modified
+  bool started_ = false;  // the coupling has deposited once
   bool gravity_varies_ = false;
-  Motion motion_;             // of this run
-  bool watchers_ = true;      // see any_watchers()
-  bool quiet_ = false;        // this step changes nothing
-  double last_interval_ = 0;  // s, of the last coupling
-  long long next_frame_ = 0;  // step from which on a frame is due
+  Motion motion_;         // of this run
+  bool watchers_ = true;  // see any_watchers()
+  bool quiet_ = false;    // this step changes nothing
 
-  BoxFacts box_;                        // for which the fluid was made
-  std::vector<std::string> said_;       // warnings about the scene, so far
-  long long particles_before_ = -1;     // at the last coupling of this run; -1: none yet
-  long long lost_ = 0, lost_said_ = 0;  // particles that vanished; of these, said in a warning
+  BoxFacts box_;                   // for which the fluid was made
+  std::vector<std::string> said_;  // warnings about the scene, so far
   CouplingWatch watch_;
-  std::vector<std::string> unused_said_;  // options that a warning has told
+  UnusedOptions unused_options_;
 
   Progress progress_;
-  double wall_begin_ = 0, cpu_begin_ = 0;
+  RunTimes times_;
   double coupling_begin_ = 0;  // wall clock
-  long long step_begin_ = 0;
-  Shares shares_begin_;
-  double output_seconds_ = 0, output_begin_ = 0;  // CPU seconds of this rank
 };
 
 }  // namespace twogrid

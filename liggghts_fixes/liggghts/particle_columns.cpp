@@ -1,11 +1,15 @@
 #include "liggghts_fixes/liggghts/particle_columns.h"
 
+#include <atom.h>
+#include <domain.h>
 #include <fix_property_atom.h>
 #include <lammps.h>
 #include <modify.h>
 
 #include <cstdio>
 #include <vector>
+
+#include "liggghts_fixes/liggghts/motion.h"
 
 namespace twogrid {
 
@@ -27,6 +31,32 @@ FixPropertyAtom* keep_with_particles(LAMMPS& lammps, const std::string& name, in
 double* particle_property(LAMMPS& lammps, const std::string& name) {
   Fix* fix = lammps.modify->find_fix_property(name.c_str(), "property/atom", "scalar", 0, 0, "twogrid", false);
   return fix ? static_cast<FixPropertyAtom*>(fix)->vector_atom : nullptr;
+}
+
+Particles view_particles(LAMMPS& lammps, int group, const Motion& motion, FixPropertyAtom& state,
+                         FixPropertyAtom& step) {
+  using Three = double(*)[3];
+  const Atom& atom = *lammps.atom;
+  const Domain& domain = *lammps.domain;
+  Particles p;
+  p.n = atom.nlocal;
+  p.x = reinterpret_cast<Three>(atom.x ? atom.x[0] : nullptr);
+  p.v = reinterpret_cast<Three>(atom.v ? atom.v[0] : nullptr);
+  p.f = reinterpret_cast<Three>(atom.f ? atom.f[0] : nullptr);
+  p.radius = atom.radius;
+  p.mass = atom.rmass;
+  p.tag = atom.tag;
+  p.mask = atom.mask;
+  p.group = group;
+  for (int d = 0; d < 3; ++d)
+    p.moving[d] = motion.moving[d], p.fixed[d] = motion.fixed[d], p.frozen[d] = motion.frozen[d];
+  p.still = motion.still;
+  p.growing = motion.grows;
+  p.state = state.array_atom;
+  p.step = step.array_atom;
+  for (int d = 0; d < 3; ++d)
+    if (domain.periodicity[d]) p.period[d] = domain.prd[d];
+  return p;
 }
 
 }  // namespace twogrid

@@ -1,7 +1,10 @@
-// Columns that LIGGGHTS keeps with every particle: they migrate and restart with it.
+// LIGGGHTS' particles for the coupling, and columns that LIGGGHTS keeps with every particle: they migrate and restart with
+// it.
 #pragma once
 
 #include <string>
+
+#include "coupling/particles/particles.h"
 
 namespace LAMMPS_NS {
 class FixPropertyAtom;
@@ -10,10 +13,17 @@ class LAMMPS;
 
 namespace twogrid {
 
+struct Motion;
+
 /// A fix property/atom of this name, so many values a particle, all zero at first. A restart file's are taken over.
 LAMMPS_NS::FixPropertyAtom* keep_with_particles(LAMMPS_NS::LAMMPS& lammps, const std::string& name, int columns);
 
 /// Where the values of a fix property/atom of this name and one column lie now; null: there is none.
 double* particle_property(LAMMPS_NS::LAMMPS& lammps, const std::string& name);
+
+/// LIGGGHTS' particles as the coupling sees them, with the columns of kParticleColumns and kStepColumns values. To be made
+/// at every call, for LIGGGHTS moves its arrays at any exchange. `watched` is left as it is made.
+Particles view_particles(LAMMPS_NS::LAMMPS& lammps, int group, const Motion& motion, LAMMPS_NS::FixPropertyAtom& state,
+                         LAMMPS_NS::FixPropertyAtom& step);
 
 }  // namespace twogrid

@@ -2,6 +2,7 @@
 
 #include <petscsys.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <stdexcept>
@@ -73,17 +74,22 @@ bool best_skin_option() {
   return skin == "best";
 }
 
-std::vector<std::string> unused_options(const std::string& beginning) {
+std::vector<std::string> UnusedOptions::sentences(const std::string& beginning, const std::string& but) {
+  std::vector<std::string> found;
   PetscInt n = 0;
   char **names = nullptr, **values = nullptr;
-  std::vector<std::string> unused;
-  if (PetscOptionsLeftGet(nullptr, &n, &names, &values)) return unused;
+  if (PetscOptionsLeftGet(nullptr, &n, &names, &values)) return found;
   for (PetscInt i = 0; i < n; ++i) {
-    const std::string name = std::string("-") + names[i];
-    if (name.rfind(beginning, 0) == 0) unused.push_back(name);
+    const std::string option = std::string("-") + names[i];
+    if (option.rfind(beginning, 0) != 0 || (!but.empty() && option.rfind(but, 0) == 0)) continue;
+    if (std::find(told_.begin(), told_.end(), option) != told_.end()) continue;
+    told_.push_back(option);
+    found.push_back("nothing has asked for the option " + option +
+                    " of the command line: look how it is spelt (-fluid_pressure_..., -fluid_momentum_... and PETSc's "
+                    "name after it), or take it out");
   }
   PetscOptionsLeftRestore(nullptr, &n, &names, &values);
-  return unused;
+  return found;
 }
 
 double most_cells() {

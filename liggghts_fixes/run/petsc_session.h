@@ -20,8 +20,15 @@ std::optional<std::array<int, 3>> fluid_bricks_option(int ranks);
 bool balance_option();
 /// -skin best|script: whether neighbour lists whose skin is far from the best get another. The script's if not given.
 bool best_skin_option();
-/// Options given that nothing has asked for so far, each with its dash; of these, those that begin with `beginning`.
-std::vector<std::string> unused_options(const std::string& beginning);
+/// Options of the command line that nothing has asked for: misspelt, most likely.
+class UnusedOptions {
+ public:
+  /// A sentence for each that begins with `beginning` (with its dash), not with `but`, and that none told before.
+  std::vector<std::string> sentences(const std::string& beginning, const std::string& but);
+
+ private:
+  std::vector<std::string> told_;
+};
 /// Cells that PETSc's integers can number.
 double most_cells();
 /// "3.18.1"
