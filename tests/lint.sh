@@ -16,7 +16,7 @@ bad=0
 echo "lint: cppcheck"
 cppcheck --quiet --std=c++17 --language=c++ -j "$cores" -I. --error-exitcode=1 --inline-suppr \
   --enable=warning,performance,portability \
-  --suppress=uninitvar:liggghts_fixes/contacts/contact_kernel_code.h \
+  "--suppress=uninitvar:liggghts_fixes/contacts/contact_kernel_*.h" \
   --suppress=invalidPointerCast --suppress=passedByValue:liggghts_fixes/contacts/granular_contacts.cpp \
   "$@" || bad=1
 
