@@ -10,7 +10,8 @@ import matplotlib.pyplot as plt
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.dirname(HERE))
-import sweep
+from sweep_tools import picture, tables
+from sweep_tools.studies import load_toml
 
 
 def studies():
@@ -18,7 +19,7 @@ def studies():
     for name in sorted(os.listdir(HERE)):
         folder = os.path.join(HERE, name)
         if all(os.path.exists(os.path.join(folder, f)) for f in ("study.toml", "table.csv")):
-            yield name, sweep.load_toml(os.path.join(folder, "study.toml")), sweep.read_table(os.path.join(folder, "table.csv"))
+            yield name, load_toml(os.path.join(folder, "study.toml")), tables.read_table(os.path.join(folder, "table.csv"))
 
 
 def errors_of(study, rows):
@@ -38,8 +39,8 @@ def keys_of(study, rows):
 
 def cell(rows, error, level):
     """The cheapest run that reaches a level, or the best there is."""
-    good = sweep.usable(rows, error)
-    enough = [r for r in good if r[error] + sweep.noise_of(r, error) <= level]
+    good = tables.usable(rows, error)
+    enough = [r for r in good if r[error] + tables.noise_of(r, error) <= level]
     if enough:
         r = min(enough, key=lambda r: (r["cpu_s"], r[error]))
         return f"{r['name']} ({r['cpu_s']:.2g} s)"
@@ -56,11 +57,11 @@ def main():
              "| study | error of | 1 % | 3 % | 10 % |", "|---|---|---|---|---|"]
     for name, study, rows in found:
         for error in errors_of(study, rows):
-            cells = " | ".join(cell(rows, error, level) for level in sweep.LEVELS)
+            cells = " | ".join(cell(rows, error, level) for level in tables.LEVELS)
             lines.append(f"| [{name}]({name}/README.md) | {error.replace('_', ' ')} | {cells} |")
     with open(os.path.join(HERE, "results.md"), "w") as f:
         f.write("\n".join(lines) + "\n")
-    order = list(sweep.load_toml(os.path.join(HERE, "methods.toml")))
+    order = list(load_toml(os.path.join(HERE, "methods.toml")))
     columns = min(3, len(found))
     rows_of_panels = -(-len(found) // columns)
     fig, axes = plt.subplots(rows_of_panels, columns, figsize=(4.6 * columns, 3.7 * rows_of_panels), squeeze=False)
@@ -70,7 +71,7 @@ def main():
     for ax, (name, study, rows) in zip(axes.flat, found):
         keys = keys_of(study, rows)
         methods = keys[:1] == ["method"]
-        sweep.panel(ax, rows, errors_of(study, rows)[0], keys, order if methods else ())
+        picture.panel(ax, rows, errors_of(study, rows)[0], keys, order if methods else ())
         ax.set_title(name.replace("_", " "))
         if methods:
             legend.update(zip(*reversed(ax.get_legend_handles_labels())))

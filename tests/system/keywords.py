@@ -4,9 +4,9 @@
 Without this test a keyword that was added, renamed or given another default would leave a README that is wrong and a sweep
 that doesn't know it; the record of a file could lack a setting, or hold the default of one that the script has changed.
 """
-import importlib.util
 import os
 import subprocess
+import sys
 
 import h5py
 
@@ -52,9 +52,8 @@ def main():
     missing = [r for r in rows if r not in readme]
     c.true(f"all {len(rows)} lines of its tables stand in the README" + "".join(f"\n     not there: {r}" for r in missing), not missing)
 
-    spec = importlib.util.spec_from_file_location("tool", os.path.join(ROOT, "cases", "sweep.py"))
-    tool = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(tool)
+    sys.path.insert(0, os.path.join(ROOT, "cases"))
+    from sweep_tools import keywords as tool
     with open(os.path.join(ROOT, "README.md")) as f:
         tables, told = tool.tables_of(f.read()), tool.tables_of(done.stdout)
     for name in ("fix", "fix_modify", "method"):
