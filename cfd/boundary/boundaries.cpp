@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cfd/boundary/patches.h"
+#include "cfd/parallel/ranks.h"
 
 namespace twogrid {
 
@@ -49,8 +50,7 @@ double profile_factor(const BoundaryCondition& c, const Vec3& x, int e, int f, c
 
 Boundaries::Boundaries(MPI_Comm comm, const FineGrid& grid, const Layout& layout, const FluidSettings& settings)
     : grid_(grid), settings_(settings) {
-  int rank;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = rank_of(comm);
   const Box own = layout.cells(rank);
   for (int d = 0; d < 3; ++d) {
     const Axis& axis = grid.axis[d];

@@ -4,15 +4,11 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "cfd/parallel/ranks.h"
+
 namespace twogrid {
 
 namespace {
-
-int rank_of(MPI_Comm comm) {
-  int r;
-  MPI_Comm_rank(comm, &r);
-  return r;
-}
 
 std::vector<Box> with_halo(const std::vector<Box>& cells, const Int3& halo) {
   std::vector<Box> wanted;

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "cfd/parallel/ranks.h"
+
 namespace twogrid {
 
 namespace {
@@ -152,7 +154,7 @@ T* make_room(const Peers& peers, std::size_t fields, std::vector<FourNumbers>& b
 BlockExchange::BlockExchange(MPI_Comm comm, const std::vector<Box>& owned, const std::vector<Box>& wanted,
                              const Int3& period, const std::array<bool, 3>& periodic)
     : comm_(comm) {
-  MPI_Comm_rank(comm, &rank_);
+  rank_ = rank_of(comm);
   const int ranks = int(owned.size());
   // Pieces of `want` that the owner of `own` holds: one per periodic image.
   auto pieces = [&](const Box& own, const Box& want) {

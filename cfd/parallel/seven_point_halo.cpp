@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cfd/parallel/ranks.h"
+
 namespace twogrid {
 
 namespace {
@@ -29,8 +31,7 @@ Box layer_outside(const Box& own, int s) {
 SevenPointHalo::SevenPointHalo(MPI_Comm comm, const std::vector<Box>& owned, const Int3& n,
                                const std::array<bool, 3>& periodic, const Int3& width)
     : comm_(comm) {
-  int me = 0;
-  MPI_Comm_rank(comm, &me);
+  const int me = rank_of(comm);
   const Box &mine = owned[me], memory = mine.grown(width);
   // Calls f(owner's cell, cell in the halo) for all cells that `owner` gives to the halo of `seer`, in one fixed order.
   auto shared = [&](const Box& owner, const Box& seer, auto&& f) {

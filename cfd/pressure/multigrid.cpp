@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cfd/parallel/ranks.h"
 #include "cfd/pressure/multigrid_level.h"
 #include "cfd/pressure/pairs.h"
 
@@ -16,8 +17,7 @@ template <class T>
 class Multigrid<T>::Coarsest {
  public:
   Coarsest(MPI_Comm comm, const Level& level) : comm_(comm) {
-    int ranks = 0;
-    MPI_Comm_size(comm, &ranks);
+    const int ranks = ranks_of(comm);
     Array3<int> number(Box{{0, 0, 0}, level.n}, 0);
     for (const Box& box : level.all) {
       first_.push_back(total_);
@@ -33,7 +33,7 @@ class Multigrid<T>::Coarsest {
           neighbour_.push_back(low[d] < 0 || low == c ? -1 : number(low[0], low[1], low[2]));
         }
       });
-    MPI_Comm_rank(comm, &rank_);
+    rank_ = rank_of(comm);
     mine_.resize(4 * count_[rank_]);
     all_.resize(4 * total_);
     for (int r = 0; r < ranks; ++r) first4_.push_back(4 * first_[r]), count4_.push_back(4 * count_[r]);
@@ -120,7 +120,7 @@ class Multigrid<T>::Gathered {
  public:
   Gathered(MPI_Comm comm, const Level& level, const Lines& lines, const Int3& halo)
       : comm_(comm), boxes_(level.all), whole_(MPI_COMM_SELF, grid(lines, level), layout(lines, level), halo) {
-    MPI_Comm_rank(comm, &rank_);
+    rank_ = rank_of(comm);
     int cells = 0;
     for (const Box& box : boxes_) {
       first_.push_back(cells);
@@ -206,8 +206,7 @@ class Multigrid<T>::Gathered {
 
 template <class T>
 Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, const Int3& halo) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = rank_of(comm);
   Lines lines;
   for (int d = 0; d < 3; ++d) lines[d] = {grid.axis[d].nodes(), layout.cuts()[d]};
   for (;;) {

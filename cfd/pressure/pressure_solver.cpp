@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "cfd/parallel/ranks.h"
 #include "cfd/parallel/seven_point_halo.h"
 #include "cfd/parallel/vectorised.h"
 #include "cfd/pressure/multigrid.h"
@@ -46,8 +47,7 @@ class PressureSolver::Impl {
  public:
   Impl(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo)
       : comm_(comm), grid_(grid), n_(grid.n()), multigrid_(comm, grid, layout, narrowed(halo)) {
-    int rank = 0;
-    MPI_Comm_rank(comm, &rank);
+    const int rank = rank_of(comm);
     own_ = layout.cells(rank);
     halo_ = SevenPointHalo(comm, layout.all_cells(), n_, grid.periodic(), halo);
     memory_ = own_.empty() ? Box{} : own_.grown(halo);

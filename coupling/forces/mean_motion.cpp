@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cfd/parallel/ranks.h"
+
 namespace twogrid {
 
 namespace {
-
-int rank_of(MPI_Comm comm) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  return rank;
-}
 
 bool feels_drag(const Particles& p, int i) {
   return p.takes_part(i) && p.step[i][kDragCoefficient] > 0;

@@ -1,10 +1,11 @@
 #include "coupling/forces/undisturbed_force.h"
 
+#include "cfd/parallel/ranks.h"
+
 namespace twogrid {
 
 UndisturbedForce::UndisturbedForce(MPI_Comm comm, const Fluid& fluid, FaceField<FineGrid>& r) : r_(r) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = rank_of(comm);
   std::array<std::vector<Box>, 3> owned, wanted;
   for (int d = 0; d < 3; ++d) {
     owned[d] = wanted[d] = fluid.layout().all_faces(d);

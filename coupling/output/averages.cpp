@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "cfd/parallel/block_exchange.h"
+#include "cfd/parallel/ranks.h"
 #include "coupling/output/hdf5_file.h"
 
 namespace twogrid {
@@ -11,12 +12,6 @@ namespace twogrid {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-int rank_of(MPI_Comm comm) {
-  int r;
-  MPI_Comm_rank(comm, &r);
-  return r;
-}
 
 /// Where own cells of a grid go in a dataset [nz][ny][nx], or [nz][ny][nx][components].
 Slab own_cells(const Int3& n, const Box& own, std::size_t components) {
@@ -212,8 +207,7 @@ void Averages::write(Hdf5File& file) const {
   file.attribute("/average", "samples", double(samples_));
 
   // Solids: windows -> owners.
-  int ranks;
-  MPI_Comm_size(comm_, &ranks);
+  const int ranks = ranks_of(comm_);
   std::vector<Box> windows(ranks);
   const Box window = solids_sum_[0].box();
   static_assert(sizeof(Box) == 6 * sizeof(int), "boxes are sent as six integers");

@@ -12,6 +12,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "cfd/parallel/ranks.h"
+
 namespace twogrid {
 
 namespace {
@@ -114,7 +116,7 @@ std::string reserve(const std::string& path, bool create, double bytes) {
 
 Hdf5File::Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double bytes) : comm_(comm), path_(path) {
   static_assert(sizeof(long) == sizeof(hid_t), "handles are kept as long");
-  MPI_Comm_rank(comm, &rank_);
+  rank_ = rank_of(comm);
   const bool create = mode == Mode::kCreate;
   agree(rank_ == 0 ? reserve(path, create, bytes) : "");
 
@@ -265,8 +267,7 @@ void Hdf5File::close() {
       file_ = -1;
     }
   }
-  int ranks = 1;
-  MPI_Comm_size(comm_, &ranks);
+  const int ranks = ranks_of(comm_);
   int first = ok_ ? ranks : rank_, whose = ranks;
   MPI_Allreduce(&first, &whose, 1, MPI_INT, MPI_MIN, comm_);
   if (whose == ranks) return;

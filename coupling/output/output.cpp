@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "cfd/fluid/fluid.h"
+#include "cfd/parallel/ranks.h"
 #include "coupling/output/averages.h"
 #include "coupling/output/hdf5_file.h"
 #include "coupling/output/xdmf.h"
@@ -146,7 +147,7 @@ Output::Impl::Impl(MPI_Comm comm, const Settings& settings, const Fluid& fluid, 
     for (const ModelField& f : fluid.model_fields()) settings_.fields.push_back(f.name);
   }
   if (wants("faces") && !wants("eps")) settings_.fields.push_back("eps");
-  MPI_Comm_rank(comm, &rank_);
+  rank_ = rank_of(comm);
   own_ = fluid.layout().cells(rank_);
   coarse_ = ParticleGrid(fluid.grid(), settings.ratio);
   if (settings_.average_from >= 0) averages_ = std::make_unique<Averages>(comm, fluid.grid(), fluid.layout(), coarse_);
@@ -205,8 +206,7 @@ void Output::Impl::write_record(Hdf5File& file, const Settings& s, const Record&
   say("command_line", record.command_line);
   file.text(at + "/input_text", from_rank_0(comm_, record.input_text));
 
-  int ranks;
-  MPI_Comm_size(comm_, &ranks);
+  const int ranks = ranks_of(comm_);
   file.attribute(at, "ranks", std::vector<int>{ranks});
   const auto& cuts = fluid_.layout().cuts();
   file.attribute(at, "bricks",

@@ -3,17 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cfd/parallel/ranks.h"
 #include "cfd/parallel/vectorised.h"
 
 namespace twogrid {
 
 namespace {
-
-int rank_of(MPI_Comm comm) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  return rank;
-}
 
 std::vector<Box> grown(std::vector<Box> boxes, const Int3& lo, const Int3& hi) {
   for (Box& b : boxes)

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "cfd/parallel/ranks.h"
+
 namespace twogrid {
 
 namespace {
@@ -123,8 +125,7 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
                                   ", at most " + std::to_string(Stencil::kMax - 2) +
                                   " are served: reduce the width of deposit or read, or the number of cells");
   }
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
+  const int ranks = ranks_of(comm);
   const int mine[6] = {box_.lo[0], box_.lo[1], box_.lo[2], box_.hi[0], box_.hi[1], box_.hi[2]};
   std::vector<int> all(6 * ranks);
   MPI_Allgather(mine, 6, MPI_INT, all.data(), 6, MPI_INT, comm);

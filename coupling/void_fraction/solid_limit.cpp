@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "cfd/parallel/ranks.h"
+
 namespace twogrid {
 
 namespace {
@@ -19,8 +21,7 @@ long long sum_over_ranks(MPI_Comm comm, long long mine) {
 
 SolidLimit::SolidLimit(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, EpsBound kind, double eps_min)
     : comm_(comm), grid_(grid), kind_(kind), eps_min_(eps_min) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  const int rank = rank_of(comm);
   own_ = nodes.cells(rank);
   std::vector<Box> wanted = nodes.all_cells();
   for (Box& b : wanted)

@@ -6,17 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "cfd/parallel/ranks.h"
+
 namespace twogrid {
-
-namespace {
-
-int rank_of(MPI_Comm comm) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  return rank;
-}
-
-}  // namespace
 
 VoidFraction::VoidFraction(CouplingState& state, MPI_Comm comm, const Settings& settings, const Fluid& fluid,
                            const ParticleGrid& nodes, const ParticleRegion& region)

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "cfd/fluid_solver.h"
+#include "cfd/parallel/ranks.h"
 
 namespace twogrid {
 
@@ -27,9 +28,8 @@ struct CfdBox {
          MPI_Comm comm = MPI_COMM_WORLD, const Cuts* given = nullptr)
       : comm_(comm) {
     for (int d = 0; d < 3; ++d) grid.axis[d] = Axis(nodes[d], periodic[d]);
-    int ranks;
-    MPI_Comm_size(comm, &ranks);
-    MPI_Comm_rank(comm, &rank_);
+    const int ranks = ranks_of(comm);
+    rank_ = rank_of(comm);
     Int3 dims{0, 0, 0};
     for (int d = 0; d < 3; ++d)
       if (grid.axis[d].n() < ranks) dims[d] = 1;
@@ -140,8 +140,7 @@ struct CfdBox {
 /// printf on rank 0 alone.
 template <class... T>
 void report(const char* format, T... values) {
-  int rank;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  const int rank = rank_of(MPI_COMM_WORLD);
   if (rank == 0) std::printf(format, values...);
 }
 

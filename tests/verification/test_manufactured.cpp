@@ -5,6 +5,7 @@
 
 #include <cstdio>
 
+#include "cfd/parallel/ranks.h"
 #include "tests/verification/cfd_box.h"
 #include "tests/verification/formulation_a.h"
 #include "tests/verification/manufactured.h"
@@ -234,8 +235,7 @@ void expect_orders(const std::string& name, Case c, double ratio, const std::vec
   const std::size_t last = e.size() - 1;
   const double scale = std::log(double(cells[last]) / cells[last - 1]);
   const double u = std::log(e[last - 1].u / e[last].u) / scale, p = std::log(e[last - 1].p / e[last].p) / scale;
-  int rank;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  const int rank = rank_of(MPI_COMM_WORLD);
   if (rank == 0) {
     std::printf("%-34s %s %s %s beta dt/rho %6g: u", name.c_str(), c.formulation_a ? "A" : "B",
                 c.stretch > 1 ? "stretched" : "uniform  ", c.bed == Bed::kMoving ? "moving" : "still ", ratio);

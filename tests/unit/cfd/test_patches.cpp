@@ -9,6 +9,7 @@
 
 #include "cfd/boundary/boundaries.h"
 #include "cfd/boundary/patches.h"
+#include "cfd/parallel/ranks.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/script_parser.h"
@@ -36,8 +37,7 @@ FineGrid box_of(int n, double L) {
 
 /// The jet as the solver's own conditions have it, of all ranks.
 PatchArea solved(const FluidSettings& f, const FineGrid& g) {
-  int ranks = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  const int ranks = ranks_of(MPI_COMM_WORLD);
   std::array<std::vector<int>, 3> cuts;
   for (int d = 0; d < 3; ++d) cuts[d] = {0, g.axis[d].n()};
   cuts[2].clear();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "cfd/parallel/ranks.h"
 #include "cfd/parallel/reduction.h"
 #include "tests/unit/coupling/coupling_fakes.h"
 
@@ -14,7 +15,7 @@ namespace twogrid_test {
 namespace {
 
 TEST(ReductionOverRanks, LargestAndSums) {
-  const int rank = rank_of(MPI_COMM_WORLD), ranks = size_of(MPI_COMM_WORLD);
+  const int rank = rank_of(MPI_COMM_WORLD), ranks = ranks_of(MPI_COMM_WORLD);
   double a = rank, b = -rank - 1.5, c = 1 + rank, d = 0.5;
   Reduction::over_ranks(MPI_COMM_WORLD, {&a, &b}, {&c, &d});
   EXPECT_EQ(a, ranks - 1);
@@ -24,7 +25,7 @@ TEST(ReductionOverRanks, LargestAndSums) {
 }
 
 TEST(ReductionOverRanks, NotANumberStays) {
-  const int rank = rank_of(MPI_COMM_WORLD), ranks = size_of(MPI_COMM_WORLD);
+  const int rank = rank_of(MPI_COMM_WORLD), ranks = ranks_of(MPI_COMM_WORLD);
   for (int bad = 0; bad < ranks; ++bad) {
     double a = rank == bad ? NAN : 1e300, b = rank;
     Reduction::over_ranks(MPI_COMM_WORLD, {&a, &b}, {});
@@ -34,7 +35,7 @@ TEST(ReductionOverRanks, NotANumberStays) {
 }
 
 TEST(ReductionOverRanks, AllPlaces) {
-  const int rank = rank_of(MPI_COMM_WORLD), ranks = size_of(MPI_COMM_WORLD);
+  const int rank = rank_of(MPI_COMM_WORLD), ranks = ranks_of(MPI_COMM_WORLD);
   static_assert(Reduction::kLargest == 8 && Reduction::kSums == 12, "the lists below name them all");
   double a[8], b[12];
   for (int i = 0; i < 8; ++i) a[i] = 10 * i + rank;

@@ -10,23 +10,13 @@
 #include "cfd/fluid/fluid.h"
 #include "cfd/measures/grid_measures.h"
 #include "cfd/parallel/block_exchange.h"
+#include "cfd/parallel/ranks.h"
 #include "coupling/particles/particles.h"
 #include "coupling/two_grid/window.h"
 
 namespace twogrid_test {
 
 using namespace twogrid;
-
-inline int rank_of(MPI_Comm comm) {
-  int r = 0;
-  MPI_Comm_rank(comm, &r);
-  return r;
-}
-inline int size_of(MPI_Comm comm) {
-  int n = 1;
-  MPI_Comm_size(comm, &n);
-  return n;
-}
 
 /// Bricks a direction for 1, 2, 4 and 8 ranks.
 inline Int3 bricks(int ranks) {
@@ -51,7 +41,7 @@ inline Layout make_layout(const FineGrid& grid, int ranks, const Int3& ratio) {
 
 /// Brick of the particle decomposition: equal parts of the box, whatever the grid's layout.
 inline ParticleRegion make_region(const FineGrid& grid, MPI_Comm comm, double reach) {
-  const Int3 p = bricks(size_of(comm));
+  const Int3 p = bricks(ranks_of(comm));
   const int r = rank_of(comm);
   const Int3 b{r % p[0], (r / p[0]) % p[1], r / (p[0] * p[1])};
   ParticleRegion region;
@@ -242,7 +232,7 @@ struct Bodies {
 
 /// The bodies that lie in this rank's brick; those outside the domain go to the brick nearest to them.
 inline Bodies share_of(const Bodies& all, const FineGrid& grid, MPI_Comm comm) {
-  const Int3 p = bricks(size_of(comm));
+  const Int3 p = bricks(ranks_of(comm));
   Bodies mine;
   for (std::size_t q = 0; q < all.x.size(); ++q) {
     Int3 b;

@@ -39,7 +39,7 @@ void set(CellField<FineGrid>& field, const FineGrid& grid, double (*f)(const Vec
 TEST(ExchangeOnCells, WhatGoesBackIsTheTransposeOfWhatIsRead) {
   const MPI_Comm comm = MPI_COMM_WORLD;
   const FineGrid grid = make_grid({0, 0, 0}, {1, 1, 2}, {8, 8, 16}, {true, false, true}, {1.08, 1.05, 1});
-  const Layout layout = make_layout(grid, size_of(comm), {2, 4, 2});
+  const Layout layout = make_layout(grid, ranks_of(comm), {2, 4, 2});
   FakeFluid fluid(comm, grid, layout);
   CellField<FineGrid> c(fluid.void_fraction().box()), eps(fluid.void_fraction().box());
   set(c, grid, scalar), set(eps, grid, eps_at);
@@ -123,7 +123,7 @@ TEST(ExchangeModels, ForceOfItsOwnActsOnParticlesAndOnTheFluid) {
   for (Formulation form : {Formulation::kA, Formulation::kB})
     for (bool two_sizes : {false, true}) {
       const FineGrid grid = make_grid({0, 0, 0}, {1, 1, 1}, {8, 8, 8}, {true, true, true});
-      const Layout layout = make_layout(grid, size_of(comm), {2, 2, 2});
+      const Layout layout = make_layout(grid, ranks_of(comm), {2, 2, 2});
       FakeFluid fluid(comm, grid, layout, 1e-9, 1e-12);
       Vec3 received{0, 0, 0};
       fluid.on_advance = [&](double interval, const VoidFractionInTime&, const Interphase& exchange) {

@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "cfd/parallel/ranks.h"
 #include "coupling/particles/ledger.h"
 #include "coupling/two_grid/map.h"
 #include "tests/unit/coupling/coupling_fakes.h"
@@ -21,7 +22,7 @@ struct MapScene {
   std::unique_ptr<Map> map;
   MapScene(const Int3& ratio, std::array<bool, 3> periodic, double stretch)
       : grid(make_grid({0, 0, 0}, {1, 1, 2}, {8, 4, 16}, periodic, {stretch, 1, stretch})), ratio(ratio) {
-    fluid = std::make_unique<FakeFluid>(MPI_COMM_WORLD, grid, make_layout(grid, size_of(MPI_COMM_WORLD), ratio));
+    fluid = std::make_unique<FakeFluid>(MPI_COMM_WORLD, grid, make_layout(grid, ranks_of(MPI_COMM_WORLD), ratio));
   }
   void make() { map = std::make_unique<Map>(MPI_COMM_WORLD, *fluid, ParticleGrid(grid, ratio)); }
   /// The mean's three components, read out of groups that hold something else beside them.

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "cfd/parallel/ranks.h"
 #include "coupling/particles/ledger.h"
 #include "coupling/two_grid/fixed_point.h"
 #include "coupling/two_grid/reader.h"
@@ -27,7 +28,7 @@ struct ReadScene {
   Bodies bodies;
   ReadScene(MPI_Comm comm, Read read, std::array<bool, 3> periodic, double stretch, double width = 0.33)
       : grid(make_grid({0, 0, 0}, {1, 1, 2}, {8, 8, 16}, periodic, {stretch, stretch, 1})),
-        layout(make_layout(grid, size_of(comm), {2, 4, 2})) {
+        layout(make_layout(grid, ranks_of(comm), {2, 4, 2})) {
     fluid = std::make_unique<FakeFluid>(comm, grid, layout);
     const double w = read == Read::kKernel || read == Read::kCube ? width : 0.0;
     reader = std::make_unique<Reader>(comm, *fluid,

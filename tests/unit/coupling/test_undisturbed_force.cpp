@@ -31,7 +31,7 @@ double pressure_gradient(int d, const Vec3& x) {
 
 TEST(UndisturbedForce, IsWhatTheMomentumBalanceLeavesOnStretchedCells) {
   const FineGrid grid = make_grid({0, 0, 0}, {1, 1, 2}, {8, 8, 16}, {false, true, false}, {1.3, 1, 1.15});
-  FakeFluid fluid(MPI_COMM_WORLD, grid, make_layout(grid, size_of(MPI_COMM_WORLD), {1, 1, 1}), 1.2);
+  FakeFluid fluid(MPI_COMM_WORLD, grid, make_layout(grid, ranks_of(MPI_COMM_WORLD), {1, 1, 1}), 1.2);
   fluid.set(fluid.mean_, velocity), fluid.set(fluid.gradient_, pressure_gradient);
   auto centre = [&](int i, int j, int k) {
     return Vec3{grid.axis[0].centre(i), grid.axis[1].centre(j), grid.axis[2].centre(k)};

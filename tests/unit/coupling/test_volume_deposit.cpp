@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "cfd/parallel/ranks.h"
 #include "coupling/particles/ledger.h"
 #include "coupling/two_grid/map.h"
 #include "coupling/void_fraction/solid_limit.h"
@@ -184,7 +185,7 @@ struct Deposited {
 Deposited deposit(MPI_Comm comm, const Scene& s, const Bodies& all, Deposit kind, double edge) {
   Bodies mine = share_of(all, s.grid, comm);
   const ParticleGrid nodes(s.grid, s.ratio);
-  const Layout layout = node_layout(make_layout(s.grid, size_of(comm), s.ratio), nodes);
+  const Layout layout = node_layout(make_layout(s.grid, ranks_of(comm), s.ratio), nodes);
   VolumeDeposit d(comm, nodes, layout, make_region(s.grid, comm, s.reach), kind, edge);
   double largest = 0;
   for (double r : all.radius) largest = std::max(largest, r);
@@ -319,7 +320,7 @@ struct Overfull {
   Overfull(MPI_Comm comm, std::array<bool, 3> periodic)
       : grid(make_grid({0, 0, 0}, {1, 1, 2}, {8, 8, 16}, periodic, {1, 1, 1.05})),
         nodes(grid, {2, 2, 2}),
-        layout(node_layout(make_layout(grid, size_of(comm), {2, 2, 2}), nodes)),
+        layout(node_layout(make_layout(grid, ranks_of(comm), {2, 2, 2}), nodes)),
         scale(nodes.largest_volume(), 15) {
     solid.reset(layout.cells(rank_of(comm)));
   }
@@ -384,7 +385,7 @@ TEST(Prolongation, ConservativeBoundedAndFilledBeyondTheSides) {
     for (bool periodic_z : {true, false}) {
       const FineGrid grid = make_grid({0, 0, 0}, {1, 1, 2}, {8, 8, 16}, {false, false, periodic_z}, {1.1, 1, 1.05});
       const ParticleGrid nodes(grid, {4, 2, 2});
-      const Layout layout = make_layout(grid, size_of(MPI_COMM_WORLD), {4, 2, 2});
+      const Layout layout = make_layout(grid, ranks_of(MPI_COMM_WORLD), {4, 2, 2});
       const int rank = rank_of(MPI_COMM_WORLD);
       const Box own_nodes = node_layout(layout, nodes).cells(rank), own = layout.cells(rank);
       CellField<ParticleGrid> node;
@@ -420,7 +421,7 @@ TEST(Prolongation, ConservativeBoundedAndFilledBeyondTheSides) {
 TEST(Prolongation, LinearProfileIsExact) {
   const FineGrid grid = make_grid({0, 0, 0}, {1, 1, 2}, {8, 8, 16}, {false, false, false}, {1.1, 1, 1.05});
   const ParticleGrid nodes(grid, {2, 2, 2});
-  const Layout layout = make_layout(grid, size_of(MPI_COMM_WORLD), {2, 2, 2});
+  const Layout layout = make_layout(grid, ranks_of(MPI_COMM_WORLD), {2, 2, 2});
   const int rank = rank_of(MPI_COMM_WORLD);
   const Box own_nodes = node_layout(layout, nodes).cells(rank), own = layout.cells(rank);
   CellField<ParticleGrid> node;

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "cfd/boundary/patches.h"
+#include "cfd/parallel/ranks.h"
 #include "coupling/methods.h"
 #include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/script_parser.h"
@@ -207,8 +208,7 @@ TEST(ScriptModify, PatchBeforeItsSideKeepsTheSideFirst) {
 }
 
 TEST(ScriptModify, TableOfAnInlet) {
-  int rank = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  const int rank = rank_of(MPI_COMM_WORLD);
   const std::string file = "inlet_table_" + std::to_string(rank) + ".txt";
   std::ofstream(file) << "# x factor\n0 0\n0.004, 1.5\n0.008\t0\n";
   Script s = fix();
