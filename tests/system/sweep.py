@@ -6,7 +6,6 @@ Without this test a choice could be dropped in silence (all runs alike, and ever
 taken for a finished one, and the recommendation could name a run that another beats. Wanted values: from the definition of the
 Pareto front on made-up rows, and a conserved integral for fields put onto another grid. Some 15 s.
 """
-import importlib.util
 import json
 import os
 import signal
@@ -105,13 +104,13 @@ def goes_on_after_kill(c, folder, executable):
 
 
 def arithmetic(c):
-    spec = importlib.util.spec_from_file_location("tool", TOOL)
-    tool = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(tool)
+    sys.path.insert(0, os.path.dirname(TOOL))
+    from sweep_tools.errors import onto
+    from sweep_tools.tables import front_of, recommendation
     made_up = [("slow", 9.0, 0.005, 0), ("middle", 3.0, 0.02, 0), ("beaten", 4.0, 0.05, 0), ("quick", 1.0, 0.2, 0), ("noisy", 2.0, 0.009, 0.05)]
     rows = [dict(name=n, method=n, state="ok", cpu_s=t, e=e, e_err=s) for n, t, e, s in made_up]
-    c.true("front", [r["name"] for r in tool.front_of(rows, "e")] == ["quick", "noisy", "slow"])
-    said = tool.recommendation("made up", rows, ["e"], ["method"])
+    c.true("front", [r["name"] for r in front_of(rows, "e")] == ["quick", "noisy", "slow"])
+    said = recommendation("made up", rows, ["e"], ["method"])
     c.true("1 % is reached by the slow one only: noise counts", "1 %: slow" in said and "3 %: middle" in said and "10 %: noisy" in said)
     c.true("never pays: the beaten one alone", "more accurate): beaten\n" in said) or c.note(said)
     rng = np.random.default_rng(1)
@@ -119,7 +118,7 @@ def arithmetic(c):
     common = [np.linspace(0, 1, n) for n in (3, 4, 5)]
     field = rng.uniform(0, 1, (9, 7, 5))
     volume = lambda n: np.einsum("i,j,k->ijk", np.diff(n[2]), np.diff(n[1]), np.diff(n[0]))
-    was, now = np.sum(field * volume(nodes)), np.sum(tool.onto(nodes, common, field) * volume(common))
+    was, now = np.sum(field * volume(nodes)), np.sum(onto(nodes, common, field) * volume(common))
     c.below("integral lost between grids", abs(now / was - 1), 1e-13)
 
 
