@@ -37,7 +37,7 @@ std::string id_in_restart(LAMMPS& lammps) {
   for (int i = 0; i < modify.nfix_restart_global; ++i) {
     const std::string id = Restarted::ids(modify)[i];
     if (id.size() <= end.size() || id.substr(id.size() - end.size()) != end) continue;
-    const std::string owner = id.substr(0, id.size() - end.size());
+    std::string owner = id.substr(0, id.size() - end.size());
     if (values_in_restart(lammps, owner + "_step") >= 0) return owner;
   }
   return "";

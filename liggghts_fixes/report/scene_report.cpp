@@ -39,7 +39,7 @@ bool below(double a, double b) {
 }
 
 std::string condition_text(const BoundaryCondition& c) {
-  const std::string word = condition_word(c.kind);
+  std::string word = condition_word(c.kind);
   switch (c.kind) {
     case BoundaryKind::kSlip:
     case BoundaryKind::kPeriodic:

@@ -42,7 +42,7 @@ CommandLine split_command_line(const std::vector<std::string>& words) {
   c.liggghts.push_back(words.at(0));
   c.petsc.push_back(words.at(0));
   for (std::size_t i = 1; i < words.size();) {
-    const std::string name = words[i++];
+    const std::string& name = words[i++];
     const auto known = liggghts_switches().find(name);
     if (known != liggghts_switches().end()) {
       c.liggghts.push_back(name);

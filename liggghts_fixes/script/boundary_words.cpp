@@ -48,7 +48,7 @@ std::vector<std::array<double, 2>> read_table(const std::string& keyword, const 
   std::vector<std::array<double, 2>> table;
   std::string line;
   while (std::getline(in, line)) {
-    line = line.substr(0, line.find('#'));
+    line.resize(std::min(line.find('#'), line.size()));
     if (line.find_first_not_of(" \t\r,") == std::string::npos) continue;
     std::replace(line.begin(), line.end(), ',', ' ');
     char* end = nullptr;
