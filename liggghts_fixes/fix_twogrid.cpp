@@ -199,10 +199,7 @@ void FixTwogrid::build() {
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();
   say(scene_report(script_, grid, facts));
-  for (int f = 0; f < modify->nfix; ++f)
-    if (std::string(modify->fix[f]->style) == "viscous")
-      warn("fix " + std::string(modify->fix[f]->id) +
-           " viscous is a drag of its own, on top of the fluid's; unfix it unless the particles are to be held back");
+  for (const std::string& sentence : doubts(*lmp)) warn(sentence);
   if (!state_->recent_restart && !id_in_restart_.empty())
     warn("the restart file holds what a fix twogrid of ID " + id_in_restart_ +
          " knew of the particles, which this fix can't take over: give it that ID, or it begins anew; the fluid starts "

@@ -50,4 +50,14 @@ void refuse_unsupported(LAMMPS& lammps, const std::string& id, const std::string
   }
 }
 
+std::vector<std::string> doubts(const LAMMPS& lammps) {
+  std::vector<std::string> found;
+  for (int f = 0; f < lammps.modify->nfix; ++f)
+    if (std::string(lammps.modify->fix[f]->style) == "viscous")
+      found.push_back("fix " + std::string(lammps.modify->fix[f]->id) +
+                      " viscous is a drag of its own, on top of the fluid's; unfix it unless the particles are to be "
+                      "held back");
+  return found;
+}
+
 }  // namespace twogrid
