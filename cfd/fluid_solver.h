@@ -60,7 +60,8 @@ class FluidSolver : public Fluid {
   void keep_pressure_gradient() override { means_.keep_pressure_gradient = true; }
   const CellField<FineGrid>& pressure() const override { return state_.p; }
   const CellField<FineGrid>& void_fraction() const override {
-    return domain_.measures.open() ? state_.eps_open : state_.eps[0];
+    if (domain_.measures.open()) return state_.eps_open;
+    return state_.eps[0];
   }
   const OpenShares* open_shares() const override { return domain_.measures.open(); }
   double time() const override { return state_.time; }

@@ -106,7 +106,7 @@ class Coupling::Impl {
   // Of this coupling; lists belong to selection_.inside().
   Census census_;
   Ledger ledger_;
-  std::array<double, 10> ledger_sums_;  // over ranks
+  std::array<double, 7> ledger_sums_;  // over ranks
   Places places_;
   std::vector<ImplicitDrag> drag_;
   std::vector<FourNumbers> flux_velocity_;  // what continuity sees (m/s)
@@ -298,10 +298,10 @@ void Coupling::Impl::gather_fluid(Particles& p, double interval) {
   ledger_.magnitude += all.kick_size;
   for (int i : selection_.leaving()) Selection::set_outside(p, i);
   double minus_eps_min = -state_.deposit.eps_min;
-  std::array<double, 10>& l = ledger_sums_ = ledger_.own();
+  std::array<double, 7>& l = ledger_sums_ = ledger_.own();
   Reduction::over_ranks(comm_,
                         {&all.speed, &all.drag, &all.drag_coefficient, &all.drag_number, &all.follow, &minus_eps_min},
-                        {&l[0], &l[1], &l[2], &l[3], &l[4], &l[5], &l[6], &l[7], &l[8], &l[9]});
+                        {&l[0], &l[1], &l[2], &l[3], &l[4], &l[5], &l[6]});
   state_.drag_number = all.drag_number;
   state_.follow = all.follow;
   report_.eps_min = -minus_eps_min;

@@ -26,13 +26,12 @@ class FaceRows {
 /// In formulation A the share eps_s of grad p comes back in `source`, as the reaction to the particles' -V_p grad p.
 struct Interphase {
   FaceField<FineGrid> source;  ///< force on the fluid per volume (N/m3), constant over the interval
-  FaceField<FineGrid> beta;    ///< implicit part's coefficient, kg/(m3 s)
   /// Particles were inserted or deleted: fluid has given or taken their place at the interval's begin, at its own
   /// velocity, and eps.begin is no longer the eps with which the last interval ended.
   bool replaced = false;
   Vec3 particle_flux{0, 0, 0};            ///< mean of eps_s v over the domain (m/s); only for a given flow rate
   const FaceRows* source_rows = nullptr;  ///< in place of source
-  const FaceRows* beta_rows = nullptr;    ///< in place of beta
+  const FaceRows* beta_rows = nullptr;    ///< implicit part's coefficient, kg/(m3 s)
   /// Where replaced: by commands between runs. The fluid keeps its flux eps u in place of its velocity, so that nothing
   /// has to be accelerated.
   bool same_flux = false;
@@ -40,16 +39,15 @@ struct Interphase {
   bool reacts() const { return source_rows || source[0].size() > 0; }
   /// Row of source or beta as FaceRows::row() describes it: where it is held, or made in the given memory; null: none.
   const double* source_row(int d, int i, int j, int k, int n, double* made) const {
-    return row_of(source[d], source_rows, d, i, j, k, n, made);
+    if (source[d].size() > 0) return source[d].data() + source[d].index(i, j, k);
+    return row_of(source_rows, d, i, j, k, n, made);
   }
   const double* beta_row(int d, int i, int j, int k, int n, double* made) const {
-    return row_of(beta[d], beta_rows, d, i, j, k, n, made);
+    return row_of(beta_rows, d, i, j, k, n, made);
   }
 
  private:
-  static const double* row_of(const Array3<double>& field, const FaceRows* rows, int d, int i, int j, int k, int n,
-                              double* made) {
-    if (field.size() > 0) return field.data() + field.index(i, j, k);
+  static const double* row_of(const FaceRows* rows, int d, int i, int j, int k, int n, double* made) {
     if (!rows) return nullptr;
     rows->row(d, i, j, k, n, made);
     return made;

@@ -10,15 +10,14 @@ namespace twogrid {
 
 /// Cubic Hermite in time between eps at the interval's ends with given slopes there, so that d(eps)/dt is continuous
 /// from one interval to the next; where slopes are so steep that the curve would dip below half of the smaller end, it
-/// stops there. Linear when the slopes are both (end - begin)/interval. The slope at the end is given, or else follows
-/// from the interval's rate s = (end - begin)/interval and the last interval's: s + extrapolation (s - rate_before).
+/// stops there. Linear when the slopes are both (end - begin)/interval. The slope at the end follows from the interval's
+/// rate s = (end - begin)/interval and the last interval's: s + extrapolation (s - rate_before).
 /// The cell fields have the fluid's halo (fluid.h), beyond the domain's sides too.
 struct VoidFractionInTime {
   const CellField<FineGrid>* begin = nullptr;
   const CellField<FineGrid>* end = nullptr;
   const CellField<FineGrid>* slope_begin = nullptr;  ///< 1/s; null: linear
-  const CellField<FineGrid>* slope_end = nullptr;    ///< 1/s; null: from rate_before
-  const CellField<FineGrid>* rate_before = nullptr;  ///< 1/s
+  const CellField<FineGrid>* rate_before = nullptr;  ///< 1/s; wanted with slope_begin
   double extrapolation = 0;
 
   /// eps at fraction s in [0,1] of an interval of length dt, at memory index m.
@@ -32,7 +31,6 @@ struct VoidFractionInTime {
   }
   /// Slope at the end (1/s), of an interval of length dt with slopes.
   double end_slope(std::ptrdiff_t m, double dt) const {
-    if (slope_end) return slope_end->data()[m];
     const double s = (end->data()[m] - begin->data()[m]) / dt;
     return s + extrapolation * (s - rate_before->data()[m]);
   }

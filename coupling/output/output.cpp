@@ -296,7 +296,7 @@ void Output::Impl::write_fluid(Hdf5File& file, const std::string& at) {
   if (wants("p")) file.slab(at + "/p", part_of(n_, own_, p.box()), p.data(), "Pa");
   if (wants("eps")) file.slab(at + "/eps", part_of(n_, own_, eps.box()), eps.data(), "1");
   for (const ModelField& f : fluid_.model_fields())
-    if (wants(f.name)) file.slab(at + "/" + f.name, part_of(n_, own_, f.values.box()), f.values.data(), f.unit.c_str());
+    if (wants(f.name)) file.slab(at + "/" + f.name, part_of(n_, own_, f.values.box()), f.values.data(), f.unit);
   if (!wants("u")) return;
   const auto& u = fluid_.velocity();
   buffer_.resize(3 * own_.count());

@@ -53,16 +53,15 @@ struct Ledger {
   Sum deposited_volume;         ///< sum over fine cells of (1 - eps) V (m3)
 
   /// What has to be summed over ranks for balance().
-  std::array<double, 10> own() const;
+  std::array<double, 7> own() const;
   /// Relative errors from the sums over all ranks.
   struct Balance {
     double momentum_error = 0;   ///< |action + reaction + wall| / magnitude
     double volume_error = 0;     ///< |deposited - particles| / particles
     double solid_volume = 0;     ///< of the particles (m3)
     double inserted_volume = 0;  ///< m3
-    Vec3 wall{0, 0, 0};          ///< kg m/s
   };
-  static Balance balance(const std::array<double, 10>& all);
+  static Balance balance(const std::array<double, 7>& all);
 };
 
 }  // namespace twogrid

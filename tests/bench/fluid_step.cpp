@@ -17,6 +17,7 @@
 
 #include "cfd/fluid_solver.h"
 #include "cfd/pressure/pressure_solver.h"
+#include "tests/field_exchange.h"
 
 namespace twogrid {
 namespace {
@@ -66,8 +67,8 @@ struct Bed {
   FineGrid grid;
   Layout layout;
   std::unique_ptr<FluidSolver> fluid;
-  CellField<FineGrid> begin, end, slope_begin, slope_end;
-  Interphase exchange;
+  CellField<FineGrid> begin, end, slope_begin, rate;
+  FieldExchange exchange;
   double interval, time = 0, bytes = 0;
 
   Bed(const Int3& n, double dt) : interval(dt) {
@@ -89,10 +90,10 @@ struct Bed {
     s.side[kZhi] = side(BoundaryKind::kPressure);
     s.initial_velocity = {0, 0, kInlet};
     const Box local = layout.cells(0).grown(Fluid::kHalo);
-    for (auto* c : {&begin, &end, &slope_begin, &slope_end}) c->reset(local);
+    for (auto* c : {&begin, &end, &slope_begin, &rate}) c->reset(local);
     for (int d = 0; d < 3; ++d)
       exchange.source[d].reset(layout.faces(d, 0)), exchange.beta[d].reset(layout.faces(d, 0));
-    set(begin, 0), set_slope(slope_begin, 0);
+    set(begin, 0), set_slope(slope_begin, 0), set_slope(rate, -0.5 * interval);
     const double before = allocated();
     fluid = std::make_unique<FluidSolver>(MPI_COMM_WORLD, grid, layout, s);
     fluid->start(begin);
@@ -114,7 +115,7 @@ struct Bed {
 
   /// One interval; adds the CPU time that the fluid took.
   FluidReport step(double& seconds) {
-    set(end, time + interval), set_slope(slope_end, time + interval);
+    set(end, time + interval);
     for (int d = 0; d < 3; ++d) {
       const std::ptrdiff_t s = end.stride(d);
       for_each(exchange.beta[d].box(), [&](int i, int j, int k) {
@@ -125,10 +126,15 @@ struct Bed {
       });
     }
     const double start = cpu_seconds();
-    const FluidReport r = fluid->advance(interval, {&begin, &end, &slope_begin, &slope_end}, exchange);
+    const VoidFractionInTime eps{&begin, &end, &slope_begin, &rate, 0.5};
+    const FluidReport r = fluid->advance(interval, eps, exchange);
     seconds += cpu_seconds() - start;
-    begin.swap(end), slope_begin.swap(slope_end);
     time += interval;
+    for (std::size_t m = 0; m < end.size(); ++m) {
+      slope_begin.data()[m] = eps.end_slope(std::ptrdiff_t(m), interval);
+      rate.data()[m] = (end.data()[m] - begin.data()[m]) / interval;
+    }
+    begin.swap(end);
     return r;
   }
 };

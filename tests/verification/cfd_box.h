@@ -13,6 +13,8 @@
 
 namespace twogrid {
 
+inline const Interphase kNoParticles;
+
 using Function = std::function<double(double x, double y, double z)>;
 
 struct CfdBox {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "coupling/forces/undisturbed_force.h"
+#include "tests/field_exchange.h"
 #include "tests/verification/cfd_box.h"
 
 namespace twogrid {
@@ -18,8 +19,8 @@ class FormulationA {
 
   /// The interval to come, with eps at its end: beta (kg/(m3 s)) and beta v (N/m3) of the particles, fields without
   /// values where there is no drag; what else drives the fluid (N/m3), likewise.
-  const Interphase& exchange(const FaceField<FineGrid>& beta, const FaceField<FineGrid>& beta_v,
-                             const FaceField<FineGrid>& other) {
+  const FieldExchange& exchange(const FaceField<FineGrid>& beta, const FaceField<FineGrid>& beta_v,
+                                const FaceField<FineGrid>& other) {
     box_.fluid->measures().face_mean(box_.eps_end, eps_f_);
     for (int d = 0; d < 3; ++d)
       for_each(box_.faces(d), [&](int i, int j, int k) {
@@ -44,7 +45,7 @@ class FormulationA {
   FaceField<FineGrid> r_;
   UndisturbedForce undisturbed_;
   FaceField<FineGrid> eps_f_;
-  Interphase reaction_, exchange_;  // without and with what drives the fluid beside the particles
+  FieldExchange reaction_, exchange_;  // without and with what drives the fluid beside the particles
 };
 
 }  // namespace twogrid

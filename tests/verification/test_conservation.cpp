@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "tests/field_exchange.h"
 #include "tests/verification/cfd_box.h"
 #include "tests/verification/formulation_a.h"
 
@@ -64,7 +65,7 @@ TEST(Conservation, MomentumOfAPeriodicBoxChangesByForcesAlone) {
         deposit(box.eps_begin, 0);
         box.fluid->start(box.eps_begin);
         box.fluid->keep_pressure_gradient();
-        Interphase exchange;
+        FieldExchange exchange;
         exchange.source = exchange.beta = box.face_field();
         FormulationA particles(box);
         double worst = 0, most = 0;
@@ -78,7 +79,7 @@ TEST(Conservation, MomentumOfAPeriodicBoxChangesByForcesAlone) {
             });
           Vec3 before = box.fluid->total_momentum(), pending = box.fluid->pending_momentum();
           // A: drag that pulls along particles at rest, and the particles' pressure force.
-          const Interphase& felt = a ? particles.exchange(exchange.beta, {}, exchange.source) : exchange;
+          const FieldExchange& felt = a ? particles.exchange(exchange.beta, {}, exchange.source) : exchange;
           box.step(dt, felt);
           if (a) particles.read();
           const Vec3 after = box.fluid->total_momentum(), still = box.fluid->pending_momentum();
@@ -150,8 +151,9 @@ TEST(FlowRate, IsHeldToRoundOff) {
       std::array<std::vector<double>, 3> nodes{uniform(0, 1, 6), uniform(0, 1, 6), uniform(0, 1, 6)};
       nodes[d] = uniform(0, 1, 8);
       CfdBox box(nodes, periodic, s);
-      Interphase exchange;
-      exchange.particle_flux[d] = 0.1;
+      FieldExchange exchange;
+      Interphase without_drag;
+      exchange.particle_flux[d] = without_drag.particle_flux[d] = 0.1;
       exchange.beta = box.face_field();
       for (int c = 0; c < 3; ++c)
         for_each(box.faces(c), [&](int i, int j, int k) { exchange.beta[c](i, j, k) = 5 * noise(i, j, k, c); });
@@ -165,7 +167,7 @@ TEST(FlowRate, IsHeldToRoundOff) {
         box.eps_end = box.eps_begin;
         box.fluid->start(box.eps_begin);
         for (int k = 0; k < 6; ++k) {
-          box.step(0.01, bare ? Interphase{exchange.source, {}, false, exchange.particle_flux} : exchange);
+          box.step(0.01, bare ? without_drag : exchange);
           double flow = 0, volume = 0;
           for_each(box.faces(d), [&](int i, int j, int k2) {
             const double V = box.fluid->measures().volume(d, i, j, k2);
@@ -210,7 +212,7 @@ TEST(FlowRate, IsHeldBesideInletAndOutlet) {
             return 0.6 + 0.2 * std::sin(2 * kPi * (q[d] - t)) * std::cos(2 * kPi * q[e]) + 0.1 * std::sin(3 * t);
           };
         };
-        Interphase exchange;
+        FieldExchange exchange;
         exchange.particle_flux[d] = 0.1;
         exchange.beta = exchange.source = box.face_field();
         for (int c = 0; c < 3; ++c)

@@ -95,7 +95,7 @@ TEST(Jet, MomentumEnteringIsThatOfAnEmptyDuct) {
       FormulationA particles(box);
       FluidReport r;
       for (int k = 0; k < 60; ++k) {
-        r = box.step(0.0002, a ? particles.exchange({}, {}, {}) : Interphase{});
+        r = box.step(0.0002, a ? particles.exchange({}, {}, {}) : kNoParticles);
         if (a) particles.read();
       }
       const double drop = 1.2 * U * U * (a ? 0.5 * (1 / (e * e) - 1) : 1 / e - 1);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cfd/parallel/ranks.h"
+#include "tests/field_exchange.h"
 #include "tests/verification/cfd_box.h"
 #include "tests/verification/formulation_a.h"
 
@@ -53,7 +54,7 @@ Turned jet(int turn, bool mirrored, MPI_Comm comm, const CfdBox::Cuts* cuts = nu
   };
   box.set(box.eps_begin, eps(0));
   box.fluid->start(box.eps_begin);
-  Interphase exchange;
+  FieldExchange exchange;
   exchange.beta = box.face_field();
   FormulationA particles(box);
   const double dt = 2e-5;

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "cfd/parallel/ranks.h"
+#include "tests/field_exchange.h"
 #include "tests/verification/cfd_box.h"
 #include "tests/verification/formulation_a.h"
 #include "tests/verification/manufactured.h"
@@ -184,7 +185,7 @@ Errors run(const Case& c, int n) {
   box.set(eps_old, eps_at(-dt));
   box.fluid->set_state(0, u, p, box.eps_begin, dt, old, eps_old);
 
-  Interphase exchange;  // formulation B
+  FieldExchange exchange;  // formulation B
   exchange.source = box.face_field();
   if (c.beta > 0) exchange.beta = box.face_field();
   for (int d = 0; d < 3 && c.beta > 0; ++d) exchange.beta[d].fill(c.beta);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include "tests/field_exchange.h"
 #include "tests/verification/cfd_box.h"
 #include "tests/verification/formulation_a.h"
 
@@ -76,7 +77,7 @@ TEST(UniformFlow, CarriesTheVoidFractionOfItsOwnFlux) {
           auto u = box.face_field();
           for (int c = 0; c < 3; ++c) u[c].fill(s.initial_velocity[c]);
           box.fluid->set_state(0, u, CellField<FineGrid>(box.eps_begin.box()), box.eps_begin, 0, u, box.eps_begin);
-          Interphase exchange;
+          FieldExchange exchange;
           if (drag) {
             exchange.beta = exchange.source = box.face_field();
             for (int c = 0; c < 3; ++c)
@@ -234,7 +235,7 @@ double duct(int d, int n, bool formulation_a, Convection scheme, const std::func
   // Continuity alone gives u in one dimension; p is steady when the first step's start has died away.
   FormulationA particles(box);
   for (int k = 0; k < (formulation_a ? 80 : 40); ++k) {
-    box.step(dt, formulation_a ? particles.exchange({}, {}, {}) : Interphase{});
+    box.step(dt, formulation_a ? particles.exchange({}, {}, {}) : kNoParticles);
     if (formulation_a) particles.read();
   }
   // u at a cell's centre is U/eps there.
@@ -317,7 +318,7 @@ TEST(VoidFractionJump, HeadIsConstantInAMovingBed) {
         }
         for (int step = 1; step <= steps; ++step) {
           box.set(box.eps_end, along(eps(step * dt)));
-          box.step(dt, a ? particles.exchange({}, {}, {}) : Interphase{});
+          box.step(dt, a ? particles.exchange({}, {}, {}) : kNoParticles);
           if (a) particles.read();
           box.eps_begin = box.eps_end;
         }
@@ -363,7 +364,7 @@ TEST(VoidFractionJump, BareJumpThatMovesStaysBoundedAndConverges) {
         int samples = 0;
         for (int step = 1; step <= steps; ++step) {
           box.set(box.eps_end, eps(step * dt));
-          box.step(dt, a ? particles.exchange({}, {}, {}) : Interphase{});
+          box.step(dt, a ? particles.exchange({}, {}, {}) : kNoParticles);
           if (a) particles.read();
           box.eps_begin = box.eps_end;
           if (step <= steps / 4) continue;  // the slab is set in motion at once

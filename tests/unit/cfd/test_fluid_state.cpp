@@ -8,6 +8,7 @@
 #include <string>
 #include <type_traits>
 
+#include "tests/field_exchange.h"
 #include "tests/verification/cfd_box.h"
 
 using namespace twogrid;
@@ -32,7 +33,7 @@ std::map<std::string, std::string> bits(const FluidState& state) {
 /// interval, and grow as the flow slows down.
 struct Decay {
   CfdBox box;
-  Interphase exchange;
+  FieldExchange exchange;
   double time = 0;
 
   static FluidSettings settings(Convection scheme) {

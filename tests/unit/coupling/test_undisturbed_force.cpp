@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "coupling/forces/undisturbed_force.h"
+#include "tests/field_exchange.h"
 #include "tests/unit/coupling/coupling_fakes.h"
 
 namespace twogrid_test {
@@ -37,7 +38,7 @@ TEST(UndisturbedForce, IsWhatTheMomentumBalanceLeavesOnStretchedCells) {
     return Vec3{grid.axis[0].centre(i), grid.axis[1].centre(j), grid.axis[2].centre(k)};
   };
   for_each(fluid.eps_.box(), [&](int i, int j, int k) { fluid.eps_(i, j, k) = void_fraction(centre(i, j, k)); });
-  Interphase exchange;
+  FieldExchange exchange;
   for (int d = 0; d < 3; ++d)
     exchange.source[d].reset(fluid.own_faces_[d]), exchange.beta[d].reset(fluid.own_faces_[d]);
   fluid.set(exchange.source, source), fluid.set(exchange.beta, beta);
