@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cfd/grid/pi.h"
+
 namespace twogrid {
 
 bool covers(const PatchShape& shape, int side, const Vec3& x) {
@@ -32,7 +34,7 @@ double drawn_area(const PatchShape& shape, const Axis& e, const Axis& f) {
     case PatchShape::Kind::kRectangle:
       return (std::min(v[1], e.hi()) - std::max(v[0], e.lo())) * (std::min(v[3], f.hi()) - std::max(v[2], f.lo()));
     case PatchShape::Kind::kCircle:
-      return 3.14159265358979323846 * v[2] * v[2];
+      return kPi * v[2] * v[2];
     case PatchShape::Kind::kRegion:
       return -1;
   }

@@ -8,16 +8,6 @@
 
 namespace twogrid {
 
-namespace {
-
-std::vector<Box> with_halo(const std::vector<Box>& cells, const Int3& halo) {
-  std::vector<Box> wanted;
-  for (const Box& b : cells) wanted.push_back(b.empty() ? Box{} : b.grown(halo));
-  return wanted;
-}
-
-}  // namespace
-
 FluidDomain::FluidDomain(MPI_Comm c, const FineGrid& g, const Layout& l, const FluidSettings& settings)
     : comm(c),
       rank(rank_of(c)),

@@ -37,6 +37,17 @@ struct Box {
   bool operator==(const Box& o) const { return lo == o.lo && hi == o.hi; }
 };
 
+/// Boxes with a halo: so many indices more below and above; empty ones stay as they are.
+inline std::vector<Box> with_halo(std::vector<Box> boxes, const Int3& below, const Int3& above) {
+  for (Box& b : boxes)
+    if (!b.empty())
+      for (int d = 0; d < 3; ++d) b.lo[d] -= below[d], b.hi[d] += above[d];
+  return boxes;
+}
+inline std::vector<Box> with_halo(const std::vector<Box>& boxes, const Int3& width) {
+  return with_halo(boxes, width, width);
+}
+
 inline Box intersect(const Box& a, const Box& b) {
   Box c;
   for (int d = 0; d < 3; ++d) c.lo[d] = std::max(a.lo[d], b.lo[d]), c.hi[d] = std::min(a.hi[d], b.hi[d]);

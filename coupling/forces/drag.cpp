@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cfd/grid/pi.h"
 #include "cfd/parallel/vectorised.h"
 
 // The C library has these eight, four and two at a time as well; said here, the compiler uses them in loops.
@@ -17,8 +18,6 @@ __attribute__((simd("notinbranch"))) double log10(double) noexcept;
 
 namespace twogrid {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // eps_s; never below zero, because eps may exceed 1 by a rounding and some laws take roots of eps_s.
 double solid(double eps) {

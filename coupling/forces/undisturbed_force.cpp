@@ -8,9 +8,8 @@ UndisturbedForce::UndisturbedForce(MPI_Comm comm, const Fluid& fluid, FaceField<
   const int rank = rank_of(comm);
   std::array<std::vector<Box>, 3> owned, wanted;
   for (int d = 0; d < 3; ++d) {
-    owned[d] = wanted[d] = fluid.layout().all_faces(d);
-    for (Box& b : wanted[d])
-      if (!b.empty()) b = b.grown(1);
+    owned[d] = fluid.layout().all_faces(d);
+    wanted[d] = with_halo(owned[d], {1, 1, 1});
     own_[d] = owned[d][rank];
     r_[d].reset(wanted[d][rank]);
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cfd/grid/pi.h"
 #include "cfd/parallel/block_exchange.h"
 #include "cfd/parallel/ranks.h"
 #include "coupling/output/hdf5_file.h"
@@ -10,8 +11,6 @@
 namespace twogrid {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Where own cells of a grid go in a dataset [nz][ny][nx], or [nz][ny][nx][components].
 Slab own_cells(const Int3& n, const Box& own, std::size_t components) {

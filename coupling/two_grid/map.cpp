@@ -8,22 +8,11 @@
 
 namespace twogrid {
 
-namespace {
-
-std::vector<Box> grown(std::vector<Box> boxes, const Int3& lo, const Int3& hi) {
-  for (Box& b : boxes)
-    if (!b.empty())
-      for (int d = 0; d < 3; ++d) b.lo[d] -= lo[d], b.hi[d] += hi[d];
-  return boxes;
-}
-
-}  // namespace
-
 Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
     : grid_(grid), layout_(node_layout(fluid.layout(), grid)), shares_(fluid.open_shares()), fine_(fluid.grid()) {
   const int rank = rank_of(comm);
   own_ = layout_.cells(rank);
-  const std::vector<Box> below = grown(layout_.all_cells(), {1, 1, 1}, {0, 0, 0});
+  const std::vector<Box> below = with_halo(layout_.all_cells(), {1, 1, 1}, {0, 0, 0});
   below_ = BlockExchange(comm, layout_.all_cells(), below, grid_.n(), grid_.periodic());
   for (int d = 0; d < 3; ++d) {
     const Axis& a = fine_.axis[d];
@@ -384,9 +373,9 @@ Prolongation::Prolongation(MPI_Comm comm, const FineGrid& fine, const Layout& la
   own_nodes_ = nodes.cells(rank);
   own_cells_ = layout.cells(rank);
   node_halo_ =
-      BlockExchange(comm, nodes.all_cells(), grown(nodes.all_cells(), {1, 1, 1}, {1, 1, 1}), grid.n(), grid.periodic());
-  fine_halo_ = BlockExchange(comm, layout.all_cells(), grown(layout.all_cells(), {2, 2, 2}, {2, 2, 2}), fine.n(),
-                             fine.periodic());
+      BlockExchange(comm, nodes.all_cells(), with_halo(nodes.all_cells(), {1, 1, 1}), grid.n(), grid.periodic());
+  fine_halo_ =
+      BlockExchange(comm, layout.all_cells(), with_halo(layout.all_cells(), {2, 2, 2}), fine.n(), fine.periodic());
 }
 
 void Prolongation::constant(const CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const {

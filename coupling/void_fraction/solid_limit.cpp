@@ -23,9 +23,7 @@ SolidLimit::SolidLimit(MPI_Comm comm, const ParticleGrid& grid, const Layout& no
     : comm_(comm), grid_(grid), kind_(kind), eps_min_(eps_min) {
   const int rank = rank_of(comm);
   own_ = nodes.cells(rank);
-  std::vector<Box> wanted = nodes.all_cells();
-  for (Box& b : wanted)
-    if (!b.empty()) b = b.grown(1);
+  const std::vector<Box> wanted = with_halo(nodes.all_cells(), {1, 1, 1});
   halo_ = BlockExchange(comm, nodes.all_cells(), wanted, grid.n(), grid.periodic());
   with_halo_ = wanted[rank];
   most_.reset(own_);

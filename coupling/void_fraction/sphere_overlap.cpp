@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace twogrid {
+#include "cfd/grid/pi.h"
 
-namespace {
-constexpr double kPi = 3.14159265358979323846;
-}
+namespace twogrid {
 
 double ball_beyond(double a) {
   if (a >= 1) return 0;

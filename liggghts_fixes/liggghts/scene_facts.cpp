@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cfd/grid/pi.h"
 #include "liggghts_fixes/contacts/granular_contacts.h"
 
 namespace twogrid {
@@ -35,7 +36,7 @@ void read_particles(LAMMPS& lammps, int groupbit, SceneFacts& facts) {
   for (int i = 0; i < atom.nlocal; ++i) {
     if (!(atom.mask[i] & groupbit)) continue;
     const double d = 2 * atom.radius[i];
-    sum[0] += 1, sum[1] += d, sum[2] += atom.rmass[i], sum[3] += M_PI / 6 * d * d * d;
+    sum[0] += 1, sum[1] += d, sum[2] += atom.rmass[i], sum[3] += kPi / 6 * d * d * d;
     extreme[0] = std::max(extreme[0], -d), extreme[1] = std::max(extreme[1], d);
   }
   MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPI_DOUBLE, MPI_SUM, lammps.world);
@@ -77,7 +78,7 @@ void read_particles(LAMMPS& lammps, int groupbit, SceneFacts& facts) {
     facts.d_mean = 0.5 * (facts.d_min + facts.d_max);
     if (volume > 0 && mass > 0) {
       facts.density = mass / volume;
-      facts.d_mean = std::clamp(std::cbrt(6 / M_PI * volume / distributions), facts.d_min, facts.d_max);
+      facts.d_mean = std::clamp(std::cbrt(6 / kPi * volume / distributions), facts.d_min, facts.d_max);
     }
   }
 }
@@ -172,10 +173,10 @@ double property(LAMMPS& lammps, const char* name, const char* style, int types) 
 void read_contact_time(LAMMPS& lammps, SceneFacts& facts) {
   if (facts.d_mean <= 0 || facts.density <= 0) return;
   const int types = lammps.atom->ntypes;
-  const double R = 0.25 * facts.d_mean, m = 0.5 * facts.density * M_PI / 6 * std::pow(facts.d_mean, 3);
+  const double R = 0.25 * facts.d_mean, m = 0.5 * facts.density * kPi / 6 * std::pow(facts.d_mean, 3);
   const double k = property(lammps, "kn", "peratomtypepair", types);
   if (k > 0) {
-    facts.contact_time = M_PI * std::sqrt(m / k);
+    facts.contact_time = kPi * std::sqrt(m / k);
     facts.contact_time_from = "kn of type 1";
     return;
   }
@@ -199,7 +200,7 @@ void read_equal_stiffness(LAMMPS& lammps, SceneFacts& facts) {
   const double nu = property(lammps, "poissonsRatio", "peratomtype", types);
   const double V = property(lammps, "characteristicVelocity", "scalar", 0);
   if (Y <= 0 || V <= 0) return;
-  const double R = 0.25 * facts.d_mean, m = 0.5 * facts.density * M_PI / 6 * std::pow(facts.d_mean, 3);
+  const double R = 0.25 * facts.d_mean, m = 0.5 * facts.density * kPi / 6 * std::pow(facts.d_mean, 3);
   const double E = Y / (2 * (1 - nu * nu)), root = std::sqrt(R) * E;
   facts.equal_kn = 16.0 / 15 * root * std::pow(15 * m * V * V / (16 * root), 0.2);
 }

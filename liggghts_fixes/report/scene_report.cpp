@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "cfd/boundary/patches.h"
+#include "cfd/grid/pi.h"
 #include "coupling/forces/drag.h"
 #include "liggghts_fixes/script/boundary_words.h"
 #include "liggghts_fixes/script/keywords.h"
@@ -113,7 +114,7 @@ SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneF
       if (s.fine[i] > s.ratio[i])
         area = std::min(area, smallest_width(grid.axis[(i + 1) % 3], s.ratio[(i + 1) % 3]) *
                                   smallest_width(grid.axis[(i + 2) % 3], s.ratio[(i + 2) % 3]));
-    n.noise = 3.14159265358979 / 6 * d * d * d / (s.every * facts.dem_dt * area);
+    n.noise = kPi / 6 * d * d * d / (s.every * facts.dem_dt * area);
   }
   n.cfl = std::max(n.U, n.Umf / kEps) * s.every * facts.dem_dt / n.h_min;
   return n;
@@ -138,7 +139,7 @@ static double short_at_bed_end(const Settings& s, const FineGrid& grid, const Sc
   double section = 1;
   for (int d = 0; d < 3; ++d)
     if (d != along) section *= grid.axis[d].length();
-  *height = double(facts.particles) * M_PI / 6 * facts.d_mean * facts.d_mean * facts.d_mean / (0.6 * section);
+  *height = double(facts.particles) * kPi / 6 * facts.d_mean * facts.d_mean * facts.d_mean / (0.6 * section);
   const double D = grid.axis[along].length() / s.fine[along] * s.ratio[along];
   return (s.deposit == Deposit::kTrilinear ? 0.40 : 0.27) * D / *height;
 }
