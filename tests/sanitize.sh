@@ -4,7 +4,12 @@
 #
 # Left out: leaks (OpenMPI, PETSc and LIGGGHTS keep what they allocate until the end of the process).
 #
-# Last run: none has gone through yet (the build alone takes a quarter of an hour on two busy cores).
+# stack-use-after-scope in Window::Span::find, which GCC 12 once reported in mean_motion.cpp on two ranks, did not come again,
+# neither at -O1 nor with that file at -O3: the temporaries that std::min and std::max refer to live to the end of their
+# expression.
+#
+# Last run: 2026-11-28, f4b80e5 with FieldExchange and the ledger's seven sums: 46 entries of unit tests and the six system
+# tests without a report. Build 11 min of CPU (20 min on two busy cores), tests 13 min on busy ones.
 set -eu
 cd "$(dirname "$0")/.."
 cases/setup.sh
