@@ -167,6 +167,10 @@ void FluidSolver::make_continuous() {
   for (int d = 0; d < 3; ++d) state_.u[d].swap(u_next_[d]);
 }
 
+void FluidSolver::restored() {
+  domain_.boundaries.update();
+}
+
 void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const CellField<FineGrid>& p,
                             const CellField<FineGrid>& eps, double dt_previous, const FaceField<FineGrid>& u_previous,
                             const CellField<FineGrid>& eps_previous) {

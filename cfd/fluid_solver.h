@@ -99,6 +99,10 @@ class FluidSolver : public Fluid {
   const Boundaries& boundaries() const { return domain_.boundaries; }
   const GridMeasures& measures() const { return domain_.measures; }
 
+  /// To be filled by a checkpoint's values, halos included; restored() then makes what follows from it. Collective.
+  FluidState& state_to_restore() { return state_; }
+  void restored();
+
   /// For verification: the state at two levels, t^n = time and t^{n-1} = time - dt_previous. The fields cover own
   /// values and are copied; halos are filled here. Collective.
   void set_state(double time, const FaceField<FineGrid>& u, const CellField<FineGrid>& p,

@@ -433,6 +433,9 @@ void Coupling::set_gravity(const std::vector<Weight>& weights) {
   impl_->forces_.set_gravity(weights);
 }
 
+void Coupling::restored() {
+  impl_->report_.take(impl_->state_, impl_->fluid_.time());
+}
 CouplingState& Coupling::state() {
   return impl_->state_;
 }

@@ -15,6 +15,20 @@ void Report::take(const CouplingState& state, const Census& census, const Ledger
   pressure_force = state.step.pressure_force;
 }
 
+void Report::take(const CouplingState& state, double time) {
+  fluid_time = time;
+  fluid_steps = state.fluid_steps;
+  solid_volume = state.known_volume;
+  inserted_total = state.inserted, vanished_total = state.vanished, grown_total = state.all_grown;
+}
+
+std::array<double, Report::kValues> Report::values(int every) const {
+  return {fluid_time,         fluid_dt,       cfl,           pressure_drop,  divergence_error,
+          solid_volume_error, momentum_error, volume_moved,  eps_min,        double(pressure_iterations),
+          step_error,         coupling_error, double(every), inserted_total, vanished_total,
+          grown_total};
+}
+
 void Report::take(const FluidReport& fluid, double time, long long steps) {
   fluid_time = time;
   fluid_dt = fluid.dt;

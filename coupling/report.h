@@ -1,6 +1,8 @@
 // What the coupling tells of itself. Written from the state, never read by it.
 #pragma once
 
+#include <array>
+
 #include "cfd/fluid/fluid.h"
 #include "coupling/coupling_state.h"
 #include "coupling/particles/ledger.h"
@@ -36,8 +38,14 @@ struct Report {
 
   /// What a coupling has left in the state. volume_vanished since the last one (m3).
   void take(const CouplingState& state, const Census& census, const Ledger::Balance& balance, double vanished);
+  /// What a restored state tells of the runs before.
+  void take(const CouplingState& state, double time);
   /// What the fluid says of an interval that ended at fluid_time.
   void take(const FluidReport& fluid, double time, long long steps);
+
+  /// f_ID[1], f_ID[2], ...
+  static constexpr int kValues = 16;
+  std::array<double, kValues> values(int every) const;
 };
 
 }  // namespace twogrid

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <stdexcept>
+#include <utility>
 
 #include "liggghts_fixes/contacts/pair_switch.h"
 #include "liggghts_fixes/liggghts/box.h"
@@ -40,7 +41,6 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int kVectorSize = 16;
 constexpr double kPatience = 10;  // s that a signal waits for the end of a coupling
 constexpr int kUserColumns = 10;
 static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
@@ -67,7 +67,7 @@ FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg,
     complete(early, box_facts(*lmp));
   });
   vector_flag = 1;
-  size_vector = kVectorSize;
+  size_vector = Report::kValues;
   global_freq = 1;
   extvector = 0;
   peratom_flag = 1;
@@ -134,8 +134,29 @@ int FixTwogrid::modify_param(int narg, char** arg) {
     set_up_ = false;
     parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ != nullptr);
     if (!script_.settings.output.file.empty()) check(script_.settings.output);
+    if (!script_.checkpoint_write.empty()) write_checkpoint();
   });
   return narg;
+}
+
+CheckpointParts FixTwogrid::checkpoint_parts() {
+  return {world, script_.settings, *fluid_, *coupling_, schedule_.state()};
+}
+
+void FixTwogrid::write_checkpoint() {
+  const std::string path = std::exchange(script_.checkpoint_write, "");
+  if (!started_ || !coupling_->resting())
+    refuse("checkpoint write", "it before the first run with this fix", "it after a run: there is nothing to keep yet");
+  if (accuracy_.on())
+    refuse("checkpoint write", "accuracy on", "accuracy off: what it has learned is not part of a checkpoint yet");
+  twogrid::write_checkpoint(path, checkpoint_parts(), update->ntimestep, particles_of_all_ranks(*lmp));
+  say("twogrid: the fluid of step " + std::to_string(update->ntimestep) + " is in " + path + "\n");
+}
+
+void FixTwogrid::read_checkpoint() {
+  const std::string path = std::exchange(script_.checkpoint_read, "");
+  twogrid::read_checkpoint(path, checkpoint_parts(), update->ntimestep, particles_of_all_ranks(*lmp));
+  say("twogrid: the fluid goes on from " + path + ", t = " + text(fluid_->time()) + " s\n");
 }
 
 /// Later runs: what has come to be worth a warning since the scene report.
@@ -206,7 +227,7 @@ void FixTwogrid::build() {
          "from 'initial u' at time 0 in any case");
   said_ = scene_warnings(s, grid, facts, scene_numbers(s, grid, facts));
   box_ = box_facts(*lmp);
-  if (state_->recent_restart)
+  if (state_->recent_restart && script_.checkpoint_read.empty())
     warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }
 
@@ -241,6 +262,7 @@ void FixTwogrid::pre_exchange() {
 void FixTwogrid::setup(int) {
   guarded([&] {
     Particles p = particles();
+    if (!script_.checkpoint_read.empty()) read_checkpoint();
     // Not before: LIGGGHTS sets the state of a new fix to its defaults at the beginning of set-up.
     coupling_->start(p, update->dt);
     started_ = set_up_ = true;
@@ -410,24 +432,7 @@ void FixTwogrid::post_run() {
 
 double FixTwogrid::compute_vector(int i) {
   if (!coupling_) return 0;
-  const Report& r = coupling_->report();
-  const double value[kVectorSize] = {r.fluid_time,
-                                     r.fluid_dt,
-                                     r.cfl,
-                                     r.pressure_drop,
-                                     r.divergence_error,
-                                     r.solid_volume_error,
-                                     r.momentum_error,
-                                     r.volume_moved,
-                                     r.eps_min,
-                                     double(r.pressure_iterations),
-                                     r.step_error,
-                                     r.coupling_error,
-                                     double(script_.settings.every),
-                                     r.inserted_total,
-                                     r.vanished_total,
-                                     r.grown_total};
-  return value[i];
+  return coupling_->report().values(script_.settings.every)[i];
 }
 
 double FixTwogrid::memory_usage() {

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "cfd/fluid_solver.h"
+#include "coupling/checkpoint/checkpoint.h"
 #include "coupling/control/accuracy.h"
 #include "coupling/control/schedule.h"
 #include "coupling/coupling.h"
@@ -80,6 +81,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void look_at_scene();
   void build();
   void open_output();
+  CheckpointParts checkpoint_parts();
+  void write_checkpoint();
+  void read_checkpoint();
   Particles particles();
   void couple();
   void end_coupling();

@@ -11,7 +11,8 @@ void FlowRate::hold(FluidState& state, const Interphase& exchange, const FaceFie
   for (int d = 0; d < 3; ++d) {
     if (!settings_.flow_rate_set[d]) continue;
     // Potential that answers a unit mean gradient in d: div(g (grad response + e_d)) = 0.
-    if (state.response.size() == 0) state.response.reset(domain_.local), response_rhs_.reset(domain_.own);
+    if (state.response.size() == 0) state.response.reset(domain_.local);
+    if (response_rhs_.size() == 0) response_rhs_.reset(domain_.own);
     const std::ptrdiff_t s = state.p.stride(d);
     const FaceComponent<FineGrid>& g = conductance[d];  // the pressure solver has filled its halo
     const double total_volume = domain_.volume();

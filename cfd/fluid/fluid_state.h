@@ -32,6 +32,7 @@ struct FluidState {
   Levels eps;                      // eps^n, eps^{n-1}, eps^{n-2}; with open shares theta eps (open_shares.h)
   Vec3 imposed{0, 0, 0};           // G (Pa/m)
   double largest_viscosity = 0;    // of the last step, where it varies: bounds the next (Pa s); 0: not known
+  double typical_conductance = 0;  // the pressure solver's range is laid about it (m3 s/kg); 0: not known
   CellField<FineGrid> phi;         // change of p in the last step: the pressure solver's next first guess (Pa)
   std::vector<ModelField> fields;  // of models (fluid_model.h)
   CellField<FineGrid> response;    // potential answering a unit mean gradient: first guess too; only with a flow rate
@@ -57,7 +58,7 @@ struct FluidState {
     show_array("p", s.p, f);
     show_components(s.eps, {"eps_0", "eps_1", "eps_2"}, f);
     f("imposed_x", s.imposed[0]), f("imposed_y", s.imposed[1]), f("imposed_z", s.imposed[2]);
-    f("largest_viscosity", s.largest_viscosity);
+    f("largest_viscosity", s.largest_viscosity), f("typical_conductance", s.typical_conductance);
     for (auto& field : s.fields) show_array(field.name.c_str(), field.values, f);
     show_array("phi", s.phi, f), show_array("response", s.response, f);
     show_components(s.eps_f, {"eps_f_x", "eps_f_y", "eps_f_z"}, f);

@@ -113,7 +113,9 @@ int Projection::project(FluidState& state, const Step& step, const Inertia& iner
     });
   }
   if (step.implicit_viscosity) divergence_ = imbalance_;
+  pressure_solver_->set_typical_conductance(state.typical_conductance);
   pressure_solver_->set_operator(conductance, !domain_.boundaries.open());
+  state.typical_conductance = pressure_solver_->typical_conductance();
   // Continuity error wanted: |r| h/(U V) <= rtol in the root mean square over cells.
   const double cells = domain_.cells();
   const double cell_volume = total_volume / cells, h = std::cbrt(cell_volume);

@@ -52,6 +52,9 @@ class ViscousSolver::Impl {
       for (int m : unknown_[d]) b[q++] = rhs[d].data()[m] - force_[d].data()[m];
     check(VecRestoreArray(b_, &b));
     check(VecZeroEntries(x_));
+    // Else PETSc would go on with the diagonal of the first solve.
+    check(MatAssemblyBegin(operator_, MAT_FINAL_ASSEMBLY));
+    check(MatAssemblyEnd(operator_, MAT_FINAL_ASSEMBLY));
     check(KSPSolve(solver_, b_, x_));
     KSPConvergedReason reason;
     PetscInt iterations;

@@ -117,6 +117,9 @@ class PressureSolver::Impl {
     multigrid_.set_operator({&g[0], &g[1], &g[2]}, singular, operator_scale_);
   }
 
+  double typical() const { return typical_; }
+  void set_typical(double conductance) { typical_ = conductance; }
+
   int solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
     if (!(b_store_.box() == own_)) b_store_.reset(own_);
     copy_rows(b, b_store_, own_);
@@ -399,6 +402,14 @@ PressureSolver::~PressureSolver() = default;
 
 double PressureSolver::rtol() const {
   return impl_->rtol();
+}
+
+double PressureSolver::typical_conductance() const {
+  return impl_->typical();
+}
+
+void PressureSolver::set_typical_conductance(double conductance) {
+  impl_->set_typical(conductance);
 }
 
 void PressureSolver::set_operator(FaceField<FineGrid>& conductance, bool singular) {

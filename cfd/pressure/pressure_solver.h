@@ -32,6 +32,10 @@ class PressureSolver {
   /// Used in place: a halo of one is filled, and it must stay as it is for the solves.
   void set_operator(FaceField<FineGrid>& conductance, bool singular);
   void set_operator(const FaceField<FineGrid>& conductance, bool singular);
+  /// A typical conductance, of the first operator that has one; the range of single precision is laid about it, so that
+  /// the last bits depend on it. May be set to that of another solver, which then gives the same bits. 0: not known.
+  double typical_conductance() const;
+  void set_typical_conductance(double conductance);
 
   /// Solves  sum over faces of conductance (phi_neighbour - phi_cell) = b  for own cells; b is an integral over the
   /// cell. Collective. Returns the number of iterations. Throws std::runtime_error with a sentence on all ranks when it

@@ -83,13 +83,10 @@ herr_t select(hid_t space, const std::vector<std::size_t>& offset, const std::ve
 
 /// Opens the file (or makes it), reserves room beyond its end (from its start, if it will be written anew), and says in
 /// a sentence why that is impossible; empty: it is possible. HDF5 and MPI give no reason, and end badly on a full disk.
-std::string reserve(const std::string& path, bool create, double bytes) {
+std::string reserve(const std::string& path, bool create, double bytes, const std::string& keyword) {
   const std::string remedy =
-      "; give the path of a file in a directory that exists and may be written "
-      "(fix_modify ID output file)";
-  auto refusal = [&](const std::string& why) {
-    return "the output file '" + path + "' cannot be written (" + why + ")";
-  };
+      "; give the path of a file in a directory that exists and may be written (fix_modify ID " + keyword + ")";
+  auto refusal = [&](const std::string& why) { return "the file '" + path + "' cannot be written (" + why + ")"; };
   struct stat s;
   if (stat(path.c_str(), &s) == 0 && !S_ISREG(s.st_mode)) return refusal("it is not a regular file") + remedy;
   const int f = open(path.c_str(), create ? O_WRONLY | O_CREAT : O_WRONLY, 0666);
@@ -108,26 +105,38 @@ std::string reserve(const std::string& path, bool create, double bytes) {
   ::close(f);
   if (why.empty()) return "";
   return refusal(why) + ": the next " + std::to_string((long long)(bytes / 1024) + 1) +
-         " kB have no room; free some space, write fewer frames (fix_modify ID output every) or elsewhere (output "
-         "file)";
+         " kB have no room; free some space, write less often, or elsewhere (fix_modify ID " + keyword + ")";
+}
+
+/// Why it can't be read, in a sentence; empty: it can.
+std::string unreadable(const std::string& path, const std::string& keyword) {
+  const std::string begin = "the file '" + path + "' cannot be read (",
+                    end = "); wanted: an HDF5 file that fix_modify ID " + keyword + " can read";
+  if (access(path.c_str(), R_OK) != 0) return begin + std::strerror(errno) + end;
+  Quiet quiet;
+  return H5Fis_hdf5(path.c_str()) > 0 ? "" : begin + "it is no HDF5 file, or only a part of one" + end;
 }
 
 }  // namespace
 
-Hdf5File::Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double bytes) : comm_(comm), path_(path) {
+Hdf5File::Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double bytes, const std::string& keyword)
+    : comm_(comm), path_(path), keyword_(keyword), reads_(mode == Mode::kRead) {
   static_assert(sizeof(long) == sizeof(hid_t), "handles are kept as long");
   rank_ = rank_of(comm);
   const bool create = mode == Mode::kCreate;
-  agree(rank_ == 0 ? reserve(path, create, bytes) : "");
+  if (reads_)
+    agree(rank_ == 0 ? unreadable(path, keyword) : "");
+  else
+    agree(rank_ == 0 ? reserve(path, create, bytes, keyword) : "");
 
   Quiet quiet;
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   H5Pset_coll_metadata_write(access, true);
-  H5Pset_all_coll_metadata_ops(access, true);
+  if (!reads_) H5Pset_all_coll_metadata_ops(access, true);
   file_ = create ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
-                 : H5Fopen(path.c_str(), H5F_ACC_RDWR, access);
+                 : H5Fopen(path.c_str(), reads_ ? H5F_ACC_RDONLY : H5F_ACC_RDWR, access);
   int bad = file_ < 0, any = 0;
   MPI_Allreduce(&bad, &any, 1, MPI_INT, MPI_MAX, comm);
   if (any) {
@@ -258,11 +267,64 @@ void Hdf5File::text(const std::string& path, const std::string& value) {
   write(path, Slab{}, type, copy.data(), "");
 }
 
+bool Hdf5File::has(const std::string& path) const {
+  Quiet quiet;
+  return H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::vector<std::size_t> Hdf5File::extent(const std::string& path) const {
+  Quiet quiet;
+  Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose);
+  Handle space(set < 0 ? -1 : H5Dget_space(set), H5Sclose);
+  const int rank = space < 0 ? 0 : H5Sget_simple_extent_ndims(space);
+  std::vector<hsize_t> n(std::max(rank, 0));
+  if (rank > 0) H5Sget_simple_extent_dims(space, n.data(), nullptr);
+  return {n.begin(), n.end()};
+}
+
+std::string Hdf5File::text_attribute(const std::string& object, const std::string& name) {
+  Quiet quiet;
+  Handle o(H5Oopen(file_, object.c_str(), H5P_DEFAULT), H5Oclose);
+  Handle a(o < 0 ? -1 : H5Aopen(o, name.c_str(), H5P_DEFAULT), H5Aclose);
+  Handle type(a < 0 ? -1 : H5Aget_type(a), H5Tclose);
+  if (type < 0 || H5Tget_class(type) != H5T_STRING) return failed("attribute " + name), "";
+  std::string value(H5Tget_size(type), '\0');
+  if (H5Aread(a, type, value.data()) < 0) failed("attribute " + name);
+  return value.c_str();
+}
+
+std::vector<int> Hdf5File::whole_attribute(const std::string& object, const std::string& name) {
+  Quiet quiet;
+  Handle o(H5Oopen(file_, object.c_str(), H5P_DEFAULT), H5Oclose);
+  Handle a(o < 0 ? -1 : H5Aopen(o, name.c_str(), H5P_DEFAULT), H5Aclose);
+  Handle space(a < 0 ? -1 : H5Aget_space(a), H5Sclose);
+  const hssize_t n = space < 0 ? 0 : H5Sget_simple_extent_npoints(space);
+  std::vector<int> value(std::max<hssize_t>(n, 0));
+  if (value.empty() || H5Aread(a, H5T_NATIVE_INT, value.data()) < 0) failed("attribute " + name);
+  return value;
+}
+
+void Hdf5File::read(const std::string& path, const Slab& s, double* value) {
+  if (product(s.count) == 0) return;
+  Quiet quiet;
+  if (extent(path) != s.extent) return failed(path + " is not there, or of another size");
+  Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose);
+  Handle file_space(simple_space(s.extent), H5Sclose);
+  Handle memory_space(simple_space(s.memory_extent.empty() ? s.count : s.memory_extent), H5Sclose);
+  const std::vector<std::size_t> packed(s.count.size(), 0);
+  const auto part = [&](hid_t space, const std::vector<std::size_t>& offset) {
+    return H5Sselect_hyperslab(space, H5S_SELECT_SET, dims(offset).data(), nullptr, dims(s.count).data(), nullptr) >= 0;
+  };
+  if (!part(file_space, s.offset) || !part(memory_space, s.memory_offset.empty() ? packed : s.memory_offset) ||
+      H5Dread(set, H5T_NATIVE_DOUBLE, memory_space, file_space, H5P_DEFAULT, value) < 0)
+    failed("reading " + path);
+}
+
 void Hdf5File::close() {
   {
     Quiet quiet;
     if (file_ >= 0) {
-      if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) failed("flushing it");
+      if (!reads_ && H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) failed("flushing it");
       if (H5Fclose(file_) < 0) failed("closing it");
       file_ = -1;
     }
@@ -275,8 +337,11 @@ void Hdf5File::close() {
   MPI_Bcast(&n, 1, MPI_UNSIGNED_LONG, whose, comm_);
   failure_.resize(n);
   MPI_Bcast(failure_.data(), int(n), MPI_CHAR, whose, comm_);
-  throw std::runtime_error("the output file '" + path_ + "' could not be written (" + failure_ +
-                           "); see whether its disk is full, or give another path (fix_modify ID output file)");
+  if (reads_)
+    throw std::runtime_error("the file '" + path_ + "' does not hold what is wanted of it (" + failure_ +
+                             "); give another one (fix_modify ID " + keyword_ + ")");
+  throw std::runtime_error("the file '" + path_ + "' could not be written (" + failure_ +
+                           "); see whether its disk is full, or give another path (fix_modify ID " + keyword_ + ")");
 }
 
 }  // namespace twogrid

@@ -1,4 +1,4 @@
-// One HDF5 file that all ranks of a communicator write together (collective MPI-IO). The only place that knows HDF5.
+// One HDF5 file that all ranks of a communicator write or read together (MPI-IO). The only place that knows HDF5.
 //
 // The file is open only between the constructor and close(), one frame at a time: between frames it is complete on
 // disk, so that a killed run leaves a readable file and others may read it meanwhile.
@@ -25,12 +25,13 @@ struct Slab {
 
 class Hdf5File {
  public:
-  enum class Mode { kCreate, kAppend };
+  enum class Mode { kCreate, kAppend, kRead };
 
   /// Room for `bytes` more (of all ranks, an upper bound) is reserved on the disk first, so that a full disk is met
   /// before anything is written and the file stays as it was. Collective. Throws std::runtime_error with a sentence on
-  /// all ranks when there is no such room or the file can't be created or opened.
-  Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double bytes);
+  /// all ranks when there is no such room or the file can't be created or opened. keyword: of the script, that names the
+  /// file, for the sentences. kRead: an existing file, bytes don't count.
+  Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double bytes, const std::string& keyword = "output file");
   /// Closes without a word; call close() to know.
   ~Hdf5File();
   Hdf5File(const Hdf5File&) = delete;
@@ -52,6 +53,14 @@ class Hdf5File {
   void slab(const std::string& path, const Slab& slab, const double* value, const std::string& unit = "");
   void slab(const std::string& path, const Slab& slab, const int* value, const std::string& unit = "");
 
+  // Reading, of a file opened for it. What is not there, or not of this kind, is a failure: close() tells.
+  bool has(const std::string& path) const;                         ///< Local.
+  std::vector<std::size_t> extent(const std::string& path) const;  ///< of a dataset; empty: a scalar. Local.
+  std::string text_attribute(const std::string& object, const std::string& name);
+  std::vector<int> whole_attribute(const std::string& object, const std::string& name);
+  /// This rank's part. Local: ranks may read other parts, or none.
+  void read(const std::string& path, const Slab& slab, double* value);
+
   /// Flushes and closes. Throws std::runtime_error with a sentence on all ranks if anything failed on any of them.
   void close();
 
@@ -63,7 +72,8 @@ class Hdf5File {
 
   MPI_Comm comm_;
   int rank_ = 0;
-  std::string path_;
+  std::string path_, keyword_;
+  bool reads_ = false;
   long file_ = -1;
   bool ok_ = true;
   std::string failure_;  // the first one

@@ -28,6 +28,12 @@ FixPropertyAtom* keep_with_particles(LAMMPS& lammps, const std::string& name, in
   return made;
 }
 
+long long particles_of_all_ranks(LAMMPS& lammps) {
+  long long n = lammps.atom->nlocal;
+  MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPI_LONG_LONG, MPI_SUM, lammps.world);
+  return n;
+}
+
 double* particle_property(LAMMPS& lammps, const std::string& name) {
   Fix* fix = lammps.modify->find_fix_property(name.c_str(), "property/atom", "scalar", 0, 0, "twogrid", false);
   return fix ? static_cast<FixPropertyAtom*>(fix)->vector_atom : nullptr;

@@ -18,6 +18,9 @@ struct Motion;
 /// A fix property/atom of this name, so many values a particle, all zero at first. A restart file's are taken over.
 LAMMPS_NS::FixPropertyAtom* keep_with_particles(LAMMPS_NS::LAMMPS& lammps, const std::string& name, int columns);
 
+/// Collective.
+long long particles_of_all_ranks(LAMMPS_NS::LAMMPS& lammps);
+
 /// Where the values of a fix property/atom of this name and one column lie now; null: there is none.
 double* particle_property(LAMMPS_NS::LAMMPS& lammps, const std::string& name);
 

@@ -188,6 +188,16 @@ std::string output_text(const Script& script) {
   return s;
 }
 
+// ---- checkpoint ----------------------------------------------------------------------------------------------------
+
+void parse_checkpoint(const Line& line) {
+  const bool write = line.words.one_of("checkpoint", {"write", "read"}) == 0;
+  if (!write && line.started)
+    refuse("checkpoint read", "it after a run with this fix", "it before the first run, after read_restart");
+  (write ? line.script.checkpoint_write : line.script.checkpoint_read) =
+      line.words.word(write ? "checkpoint write" : "checkpoint read", "a file name");
+}
+
 // ---- flow and steps ------------------------------------------------------------------------------------------------
 
 void parse_flow_rate(const Line& line) {
@@ -294,6 +304,9 @@ std::vector<Keyword> make_rows() {
        "`every` N DEM steps, `file` NAME.h5, `fields` some of `u p eps faces`, `particles yes` or `no`, `average from` "
        "T (s of fluid time); or `off`",
        "", "", "none", "", parse_output, output_text, nullptr, false, true},
+      {"checkpoint", "`write` FILE, between runs, or `read` FILE, before the first", "",
+       "the fluid and all that the coupling has in hand, beside the particles in LIGGGHTS' restart file", "none", "",
+       parse_checkpoint, nullptr, nullptr, false, true},
       {"model", "NAME keyword value ...", "", "", "none", "", parse_model, nullptr, nullptr, false, true}};
   std::vector<std::string> names;
   for (const Model& m : models()) {

@@ -28,6 +28,7 @@ struct Script {
   Settings settings;
   bool domain_given = false;
   bool every_auto = false;
+  std::string checkpoint_read, checkpoint_write;  ///< files; empty: not asked for
   std::array<bool, 6> side_given{};  ///< the whole side's condition was stated
   std::array<std::vector<ConditionNames>, 6> names;
 };

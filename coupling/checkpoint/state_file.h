@@ -1,0 +1,67 @@
+// A state's entries (for_each_entry() of FluidState, CouplingState, ScheduleState) in an HDF5 file, each by its name. The
+// file doesn't know the ranks that wrote it: an array is that of the whole grid, with what lies beyond the sides that are
+// not periodic, and every rank reads its part and its halo from it. A number has a value a rank; other ranks than those
+// that wrote share what differed between them as a sum, on rank 0.
+#pragma once
+
+#include <mpi.h>
+
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "cfd/grid/field.h"
+#include "cfd/grid/layout.h"
+#include "coupling/output/hdf5_file.h"
+#include "coupling/two_grid/particle_grid.h"
+
+namespace twogrid {
+
+class StateFile {
+ public:
+  /// cells, nodes: of the fluid and of the particle grid.
+  StateFile(MPI_Comm comm, const Layout& cells, const Layout& nodes, Hdf5File& file);
+
+  /// Arrays that are not in use (size 0) are left out. Collective.
+  template <class State>
+  void write(const std::string& group, const State& state) {
+    file_.group(group);
+    State::for_each_entry(state, [&](const std::string& name, const auto& entry) {
+      using T = std::decay_t<decltype(entry)>;
+      const std::string path = group + "/" + name;
+      if constexpr (std::is_arithmetic_v<T>)
+        write_number(path, double(entry));
+      else
+        write_array(path, entry, layout_of(entry));
+    });
+  }
+  /// Arrays that the file lacks become empty. Collective; what is missing is told by the file's close().
+  template <class State>
+  void read(const std::string& group, State& state) {
+    State::for_each_entry(state, [&](const std::string& name, auto& entry) {
+      using T = std::decay_t<decltype(entry)>;
+      const std::string path = group + "/" + name;
+      if constexpr (std::is_arithmetic_v<T>)
+        entry = T(read_number(path));
+      else
+        read_array(path, entry, layout_of(entry));
+    });
+  }
+
+ private:
+  const Layout& layout_of(const CellField<ParticleGrid>&) const { return nodes_; }
+  const Layout& layout_of(const CellField<FineGrid>&) const { return cells_; }
+  const Layout& layout_of(const FaceComponent<FineGrid>&) const { return cells_; }
+  void write_number(const std::string& path, double value);
+  double read_number(const std::string& path);
+  void write_array(const std::string& path, const Array3<double>& a, const Layout& layout);
+  void read_array(const std::string& path, Array3<double>& a, const Layout& layout);
+
+  MPI_Comm comm_;
+  int rank_, ranks_;
+  const Layout& cells_;
+  const Layout& nodes_;
+  Hdf5File& file_;
+};
+
+}  // namespace twogrid
