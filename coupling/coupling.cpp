@@ -268,13 +268,9 @@ void Coupling::Impl::gather_fluid(Particles& p, double interval) {
   const std::vector<int>& inside = selection_.inside();
   const bool kick = state_.started && !settings_.one_way;
   const bool mean_loaded = kick && &fluid_.mean_velocity() != &fluid_.velocity();
-  if (formulation_A() && state_.started) {
-    double sums[2] = {0, 0}, all[2];
-    for (int i : inside) sums[0] += p.mass[i], sums[1] += sphere_volume(p.radius[i]);
-    MPI_Allreduce(sums, all, 2, MPI_DOUBLE, MPI_SUM, comm_);
+  if (formulation_A() && state_.started)
     undisturbed_->update(fluid_, void_fraction_.history().now(), exchange_.exchange(),
-                         all[1] > 0 ? all[0] / all[1] : fluid_.density());
-  }
+                         mean_density(comm_, p, inside, fluid_.density()));
   load_groups(mean_loaded);
   const bool several_sizes = census_.several_sizes();
   const bool pressure_force = formulation_A() || (several_sizes && !settings_.one_way);

@@ -139,10 +139,6 @@ int FixTwogrid::modify_param(int narg, char** arg) {
   return narg;
 }
 
-CheckpointParts FixTwogrid::checkpoint_parts() {
-  return {world, script_.settings, *fluid_, *coupling_, schedule_.state()};
-}
-
 void FixTwogrid::write_checkpoint() {
   const std::string path = std::exchange(script_.checkpoint_write, "");
   if (!started_ || !coupling_->resting())

@@ -81,7 +81,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void look_at_scene();
   void build();
   void open_output();
-  CheckpointParts checkpoint_parts();
+  CheckpointParts checkpoint_parts() { return {world, script_.settings, *fluid_, *coupling_, schedule_.state()}; }
   void write_checkpoint();
   void read_checkpoint();
   Particles particles();

@@ -16,6 +16,13 @@ UndisturbedForce::UndisturbedForce(MPI_Comm comm, const Fluid& fluid, FaceField<
   halo_ = FaceExchange(comm, owned, wanted, fluid.grid().n(), fluid.grid().periodic());
 }
 
+double mean_density(MPI_Comm comm, const Particles& p, const std::vector<int>& who, double otherwise) {
+  double sums[2] = {0, 0}, all[2];
+  for (int i : who) sums[0] += p.mass[i], sums[1] += sphere_volume(p.radius[i]);
+  MPI_Allreduce(sums, all, 2, MPI_DOUBLE, MPI_SUM, comm);
+  return all[1] > 0 ? all[0] / all[1] : otherwise;
+}
+
 void UndisturbedForce::update(const Fluid& fluid, const CellField<FineGrid>& eps, const Interphase& exchange,
                               double particle_density) {
   const OpenShares* open = fluid.open_shares();

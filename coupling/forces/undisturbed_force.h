@@ -14,8 +14,12 @@
 
 #include "cfd/fluid/fluid.h"
 #include "cfd/parallel/block_exchange.h"
+#include "coupling/particles/particles.h"
 
 namespace twogrid {
+
+/// Of the particles in `who` of all ranks, kg/m3; without any: the other one. Collective.
+double mean_density(MPI_Comm comm, const Particles& p, const std::vector<int>& who, double otherwise);
 
 class UndisturbedForce {
  public:

@@ -1,7 +1,6 @@
-// The map between the two grids. Two pairs of verbs:
+// The map between the two grids for what lies on faces (cells: cell_map.h; the void fraction's way down: prolongation.h):
 //   mean    fine faces -> nodes   velocity, and everything that is read: mean over the block of one node, per direction
 //   spread  nodes -> fine faces   momentum, the transpose of mean
-//   inject  nodes -> fine cells   void fraction, constant or linear in each block
 // Block of node n, direction d: all faces normal to d that touch its fine cells. Each weighs W_nf, the part of its
 // momentum volume (half of either neighbour cell) that lies inside the block; faces whose velocity is prescribed weigh
 // zero. With the sum W_n over the block's faces,
@@ -106,33 +105,6 @@ class NodeSpread : public FaceRows {
   NodeVector<CellField<ParticleGrid>> share_;  // q_n / W_n on own nodes and those below
 
   friend class Map;
-};
-
-/// Prolongation of the void fraction.
-class Prolongation {
- public:
-  /// Collective. eps_min bounds the linear profile from below.
-  Prolongation(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const ParticleGrid& grid, Prolong kind,
-               double eps_min);
-
-  /// node covers own nodes and a halo of one (filled here when needed); fine covers own cells and a halo of two, filled
-  /// here: owners' values, and beyond sides that are not periodic copies of the cell at the side. Collective.
-  /// Linear: e_n + sum_d g_d (x - x_n), g_d the smaller of the two one-sided slopes (zero where they differ in sign),
-  /// scaled back so that eps_min <= eps <= 1. The block's mean stays e_n: no volume is gained or lost. Constant in blocks
-  /// that a body cuts.
-  void operator()(CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;
-  /// The same, constant in each block.
-  void constant(const CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;
-
- private:
-  void fill_halo(CellField<FineGrid>& fine) const;
-
-  const FineGrid fine_;
-  ParticleGrid grid_;
-  Prolong kind_;
-  double eps_min_;
-  Box own_nodes_, own_cells_;
-  BlockExchange node_halo_, fine_halo_;
 };
 
 }  // namespace twogrid

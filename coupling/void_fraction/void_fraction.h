@@ -15,7 +15,7 @@
 #include "coupling/selection/census.h"
 #include "coupling/selection/selection.h"
 #include "coupling/settings.h"
-#include "coupling/two_grid/map.h"
+#include "coupling/two_grid/prolongation.h"
 #include "coupling/void_fraction/solid_limit.h"
 #include "coupling/void_fraction/void_history.h"
 #include "coupling/void_fraction/volume_deposit.h"

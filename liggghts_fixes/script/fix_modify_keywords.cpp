@@ -306,7 +306,8 @@ std::vector<Keyword> make_rows() {
        "", "", "none", "", parse_output, output_text, nullptr, false, true},
       {"checkpoint", "`write` FILE, between runs, or `read` FILE, before the first", "",
        "the fluid and all that the coupling has in hand, beside the particles in LIGGGHTS' restart file", "none", "",
-       parse_checkpoint, nullptr, nullptr, false, true},
+       parse_checkpoint, [](const Script& s) { return s.checkpoint_read.empty() ? "" : "read " + s.checkpoint_read; },
+       nullptr, false, true},
       {"model", "NAME keyword value ...", "", "", "none", "", parse_model, nullptr, nullptr, false, true}};
   std::vector<std::string> names;
   for (const Model& m : models()) {

@@ -12,7 +12,7 @@
 
 #include "cfd/parallel/ranks.h"
 #include "coupling/particles/ledger.h"
-#include "coupling/two_grid/map.h"
+#include "coupling/two_grid/prolongation.h"
 #include "coupling/void_fraction/solid_limit.h"
 #include "coupling/void_fraction/sphere_overlap.h"
 #include "coupling/void_fraction/volume_deposit.h"

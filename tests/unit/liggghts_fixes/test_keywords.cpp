@@ -85,7 +85,8 @@ TEST(Keywords, EachRowPrintsWhatTheScriptGave) {
                                                                {"convection", "central"},
                                                                {"implicit", "on"},
                                                                {"gap friction", "on"},
-                                                               {"output", "every 20 file a.h5 particles yes"}};
+                                                               {"output", "every 20 file a.h5 particles yes"},
+                                                               {"checkpoint", "read a.h5"}};
   for (const auto& [keyword, value] : given) {
     Script script = fix();
     const auto before = texts(script);
