@@ -105,7 +105,9 @@ std::string reserve(const std::string& path, bool create, double bytes, const st
   ::close(f);
   if (why.empty()) return "";
   return refusal(why) + ": the next " + std::to_string((long long)(bytes / 1024) + 1) +
-         " kB have no room; free some space, write less often, or elsewhere (fix_modify ID " + keyword + ")";
+         " kB have no room; free some space, write fewer frames (fix_modify ID output every), or elsewhere (fix_modify "
+         "ID " +
+         keyword + ")";
 }
 
 /// Why it can't be read, in a sentence; empty: it can.
