@@ -223,6 +223,7 @@ void FixTwogrid::build() {
          "from 'initial u' at time 0 in any case");
   said_ = scene_warnings(s, grid, facts, scene_numbers(s, grid, facts));
   box_ = box_facts(*lmp);
+  check_restarted(state_->recent_restart, script_.checkpoint_read);
   if (state_->recent_restart && script_.checkpoint_read.empty())
     warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }

@@ -52,4 +52,12 @@ void check_columns_in_restart(LAMMPS& lammps, const std::string& name, int colum
                                 "knows of the particles begins anew");
 }
 
+void check_restarted(bool restarted, const std::string& checkpoint) {
+  if (restarted || checkpoint.empty()) return;
+  throw std::invalid_argument(
+      "checkpoint read: found particles that this fix has no restart file's columns of, wanted "
+      "those of the restart file written beside " +
+      checkpoint + ": read_restart in place of the box, and the fix by the ID that it had");
+}
+
 }  // namespace twogrid

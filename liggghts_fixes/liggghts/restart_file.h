@@ -13,6 +13,8 @@ namespace twogrid {
 int values_in_restart(LAMMPS_NS::LAMMPS& lammps, const std::string& id);
 /// Throws std::invalid_argument where it holds the columns of this name, but not so many.
 void check_columns_in_restart(LAMMPS_NS::LAMMPS& lammps, const std::string& name, int columns);
+/// Throws std::invalid_argument where a checkpoint is to be read (not empty) by particles that no restart file has brought.
+void check_restarted(bool restarted, const std::string& checkpoint);
 /// The ID of a fix twogrid whose state it holds; empty: of none.
 std::string id_in_restart(LAMMPS_NS::LAMMPS& lammps);
 

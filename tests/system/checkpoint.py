@@ -7,6 +7,7 @@ guess of the pressure, the flux that is held), and go on with other numbers that
 Usage: checkpoint.py EXECUTABLE RANKS...
 """
 import os
+import re
 
 import h5py
 import numpy as np
@@ -109,6 +110,8 @@ def main():
                                              ("an output file", lambda s: s, "one.h5", "no checkpoint"),
                                              ("a restart file", lambda s: s, "half", "no HDF5 file"),
                                              ("a file cut short", lambda s: s, "cut.h5", "cut.h5"),
+                                             ("no restart file", lambda s: re.sub(r"read_restart \S+", f"read_data {a.file('particles.data')}", s).replace("fix gas all", "reset_timestep 205\nfix gas all"), "half.h5", "read_restart in place"),
+                                             ("another ID", lambda s: s.replace("gas ", "air ").replace("f_gas", "f_air"), "half.h5", "read_restart in place"),
                                              ("a later step", lambda s: s.replace("fix gas all", "run 5\nfix gas all"), "half.h5", "step 210 with 288 particles")):
         with open(a.file("half.h5"), "rb") as whole, open(a.file("cut.h5"), "wb") as cut:
             data = whole.read()
