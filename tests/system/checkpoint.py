@@ -51,7 +51,7 @@ def first(executable, ranks, scene):
     x = positions()
     z = "p" if "periodic" in SCENES[scene][2] else "f"
     script = head_with_particles(1e-5, boundary=f"p p {z}", skin=0.4e-3, gamman=0.01, gammat=0.005) + gas(scene, "one")
-    return Run(executable, script + "run 205\nwrite_restart half\nfix_modify gas checkpoint write half.h5\n" + DUMP.format(at=100, name="one.dump") + "run 195\n", ranks,
+    return Run(executable, script + "run 205\nwrite_restart half\nfix_modify gas checkpoint write half.h5\n" + DUMP.format(at=100, name="one.dump") + "run 195\nfix_modify gas checkpoint write late.h5\n", ranks,
                files={"particles.data": data_file(BOX, x, D, 2500, random.uniform(-0.05, 0.05, (len(x), 3)))})
 
 
@@ -112,7 +112,7 @@ def main():
                                              ("a file cut short", lambda s: s, "cut.h5", "cut.h5"),
                                              ("no restart file", lambda s: re.sub(r"read_restart \S+", f"read_data {a.file('particles.data')}", s).replace("fix gas all", "reset_timestep 205\nfix gas all"), "half.h5", "read_restart in place"),
                                              ("another ID", lambda s: s.replace("gas ", "air ").replace("f_gas", "f_air"), "half.h5", "read_restart in place"),
-                                             ("a later step", lambda s: s.replace("fix gas all", "run 5\nfix gas all"), "half.h5", "step 210 with 288 particles")):
+                                             ("of a later step", lambda s: s, "late.h5", "of step 400 with 288 particles, wanted one of step 205")):
         with open(a.file("half.h5"), "rb") as whole, open(a.file("cut.h5"), "wb") as cut:
             data = whole.read()
             cut.write(data[:len(data) * 2 // 3])
