@@ -52,7 +52,7 @@ STAGES = {
     "cfd/": CFD + [("twogrid", QUICK)] + ORDERS + [("twogrid", BALANCES)],
     "cfd/parallel/": CFD[:1] + COUPLING + FLOWS + [("twogrid", QUICK + BALANCES)],
     "coupling/": COUPLING + [("twogrid", QUICK + BALANCES)],
-    "coupling/checkpoint/": [("twogrid", ["^checkpoint$"])],
+    "coupling/checkpoint/": [("unit_tests", ["^unit/coupling/test_state_file_np"]), ("twogrid", ["^checkpoint$"])],
     "liggghts_fixes/": FIXES + [("twogrid", QUICK + ["^ranks$", "^(scripts|skin|balance|restart)$"] + BALANCES +
                                  ["^same_bits$"])],
     "liggghts_fixes/liggghts/balance": [("twogrid", ["^balance$", "^(ranks|skin|scripts|restart)$"] + BALANCES)],

@@ -353,11 +353,13 @@ TEST(OpenShares, PoiseuilleBetweenClosedCells) {
       }
 }
 
-/// Uniform K': Darcy's law -dp/dx = mu K u with an inlet and an outlet, -G = mu K u in a periodic box.
+/// Uniform K': Darcy's law -dp/dx = mu K eps u with an inlet and an outlet, -G = mu K eps u in a periodic box.
 TEST(OpenShares, UniformFrictionIsDarcysLaw) {
   const double K = 3e4;
   for (int along : {0, 1, 2})
-    for (bool through : {true, false}) {
+    for (int q = 0; q < 4; ++q) {
+      const bool through = q % 2 == 0;
+      const double eps = q < 2 ? 1 : 0.5;
       FluidSettings s = gas();
       for (auto& side : s.side) side = {condition(BoundaryKind::kSlip)};
       std::array<bool, 3> periodic{false, false, false};
@@ -376,10 +378,14 @@ TEST(OpenShares, UniformFrictionIsDarcysLaw) {
         for (int d = 0; d < 3; ++d) space.friction[d].reset(space.alpha[d].box(), K);
       };
       CfdBox box(nodes_along(along, 4, 3, 12), periodic, s);
+      box.eps_begin.fill(eps), box.eps_end.fill(eps);
+      box.fluid->start(box.eps_begin);
       for (int step = 0; step < 60; ++step) box.step(0.02);
       double worst = 0, slope = 0;
       for_each(box.faces(along), [&](int i, int j, int k) {
-        worst = std::max(worst, std::abs(box.fluid->velocity()[along](i, j, k) - U) / U);
+        // Behind the inlet, whose own plane holds no solids, the flow is still taken up to u = U/eps.
+        if (through && eps < 1 && Int3{i, j, k}[along] < 2) return;
+        worst = std::max(worst, std::abs(box.fluid->velocity()[along](i, j, k) * eps - U) / U);
         Int3 below{i, j, k};
         if (!through || below[along] == 0) return;
         const double h = box.grid.axis[along].face_width(below[along]);
@@ -390,7 +396,7 @@ TEST(OpenShares, UniformFrictionIsDarcysLaw) {
         slope = std::max(slope, std::abs(dp / h + gradient) / gradient);
       });
       worst = box.largest(worst), slope = box.largest(slope);
-      report("Darcy along %d: velocity %.1e, gradient %.1e\n", along, worst, slope);
+      report("Darcy along %d, eps %.1f: velocity %.1e, gradient %.1e\n", along, eps, worst, slope);
       EXPECT_LT(worst, 1e-9);
       EXPECT_LT(slope, 1e-8);
     }
