@@ -66,7 +66,7 @@ double bytes_of(const CheckpointParts& c) {
 std::string put_in_place(const std::string& from, const std::string& to) {
   const int f = open(from.c_str(), O_RDONLY);
   const bool synced = f >= 0 && fsync(f) == 0;
-  const std::string why = synced ? "" : std::strerror(errno);
+  std::string why = synced ? "" : std::strerror(errno);
   if (f >= 0) close(f);
   if (!synced) return why;
   if (std::rename(from.c_str(), to.c_str()) != 0) return std::strerror(errno);

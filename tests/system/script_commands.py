@@ -279,7 +279,7 @@ velocity left set 0.4 0.05 0
         stock, ours = [Run(executable, scene + "run 150\n" + DUMP.format(name="end"), n, ["-particles", kernel]) for kernel in ("stock", "auto")]
         c.true(f"many bins, few particles, {n} ranks: LIGGGHTS' bits", same(state(stock, "end"), state(ours, "end")) and len(state(ours, "end")) >= 64)
     # In instructions, since seconds depend on what else the machine does. Set-up falls out.
-    count = {kernel: instructions(executable, scene + "run 60\n", kernel) - instructions(executable, scene + "run 20\n", kernel) for kernel in ("stock", "auto")}
+    count = {kernel: instructions(executable, scene + "run 30\n", kernel) - instructions(executable, scene + "run 10\n", kernel) for kernel in ("stock", "auto")}
     c.below("instructions of a step with new lists over LIGGGHTS' own", count["auto"] / count["stock"], 1.1)
 
 
