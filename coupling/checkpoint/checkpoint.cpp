@@ -39,6 +39,10 @@ std::string scene(const CheckpointParts& c) {
   s << ", domain";
   for (const Axis& a : grid.axis) s << " " << a.lo() << " " << a.lo() + a.length() << (a.periodic() ? " periodic" : "");
   s << ", formulation " << (c.settings.formulation == Formulation::kA ? "A" : "B");
+  // These decide which levels and fields there are.
+  s << ", convection " << (c.settings.fluid.convection == Convection::kCentral ? "central" : "not central");
+  s << ", interpolate " << (c.settings.interpolate == Interpolate::kSmooth ? "smooth" : "linear");
+  s << ", one-way " << (c.settings.one_way ? "yes" : "no");
   s << ", density " << c.fluid.density();
   for (const ModelField& f : c.fluid.model_fields()) s << ", " << f.name;
   return s.str();

@@ -106,6 +106,8 @@ def main():
         for name in ("gas[1]", "gas[4]", "gas[9]"):
             c.below(f"{name} at the first coupling, relative difference", abs(s[name][s["Step"] == 210][0] / t[name][t["Step"] == 210][0] - 1), 1e-5)
     for what, change, checkpoint, wanted in (("another grid", lambda s: s.replace("fine 8 8 16", "fine 8 8 32"), "half.h5", "another scene"),
+                                             ("other convection", lambda s: s.replace("fix_modify gas checkpoint", "fix_modify gas convection central interpolate linear\nfix_modify gas checkpoint"), "half.h5", "another scene"),
+                                             ("another way of coupling", lambda s: s.replace("fix_modify gas checkpoint", "fix_modify gas one-way yes\nfix_modify gas checkpoint"), "half.h5", "another scene"),
                                              ("no such file", lambda s: s, "none.h5", "No such file"),
                                              ("an output file", lambda s: s, "one.h5", "no checkpoint"),
                                              ("a restart file", lambda s: s, "half", "no HDF5 file"),
