@@ -10,11 +10,9 @@
 #include <neighbor.h>
 #include <output.h>
 #include <pair.h>
-#include <signal_handling.h>
 #include <update.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -29,6 +27,7 @@
 #include "liggghts_fixes/report/memory_need.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/run/petsc_session.h"
+#include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/run/signals.h"
 #include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/keywords.h"
@@ -41,7 +40,6 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr double kPatience = 10;  // s that a signal waits for the end of a coupling
 constexpr int kUserColumns = 10;
 static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
               "the state's first ten columns are the user's per-atom array");
@@ -58,7 +56,8 @@ auto FixTwogrid::guarded(F&& f) -> decltype(f()) {
   }
 }
 
-FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg) : Fix(lammps, narg, arg), names_(*lammps, script_, id) {
+FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg)
+    : Fix(lammps, narg, arg), names_(*lammps, script_, id), watch_(*lammps, id) {
   guarded([&] {
     script_ = parse_fix(id, std::vector<std::string>(arg + 3, arg + narg));
     refuse_unsupported(*lmp, id, kStyle);
@@ -134,25 +133,45 @@ int FixTwogrid::modify_param(int narg, char** arg) {
     set_up_ = false;
     parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ != nullptr);
     if (!script_.settings.output.file.empty()) check(script_.settings.output);
-    if (!script_.checkpoint_write.empty()) write_checkpoint();
+    if (!script_.checkpoint_write.empty()) keep_checkpoint();
   });
   return narg;
 }
 
-void FixTwogrid::write_checkpoint() {
-  const std::string path = std::exchange(script_.checkpoint_write, "");
+void FixTwogrid::refuse_without_state() const {
   if (!started_ || !coupling_->resting())
     refuse("checkpoint write", "it before the first run with this fix", "it after a run: there is nothing to keep yet");
   if (accuracy_.on())
     refuse("checkpoint write", "accuracy on", "accuracy off: what it has learned is not part of a checkpoint yet");
+}
+
+void FixTwogrid::write_checkpoint(const std::string& path) {
+  guarded([&] {
+    refuse_without_state();
+    write_plain_checkpoint(path, checkpoint_parts(), update->ntimestep, particles_of_all_ranks(*lmp));
+  });
+}
+
+void FixTwogrid::go_on_from(const std::string& path) {
+  guarded([&] {
+    if (fluid_) refuse("checkpoint read", "it after the first run with this fix", "it before");
+    script_.checkpoint_read = path;
+  });
+}
+
+/// fix_modify checkpoint write.
+void FixTwogrid::keep_checkpoint() {
+  const std::string path = std::exchange(script_.checkpoint_write, "");
+  if (replaying()) return;
+  refuse_without_state();
   twogrid::write_checkpoint(path, checkpoint_parts(), update->ntimestep, particles_of_all_ranks(*lmp));
-  say("twogrid: the fluid of step " + std::to_string(update->ntimestep) + " is in " + path + "\n");
+  watch_.say("twogrid: the fluid of step " + std::to_string(update->ntimestep) + " is in " + path + "\n");
 }
 
 void FixTwogrid::read_checkpoint() {
   const std::string path = std::exchange(script_.checkpoint_read, "");
   twogrid::read_checkpoint(path, checkpoint_parts(), update->ntimestep, particles_of_all_ranks(*lmp));
-  say("twogrid: the fluid goes on from " + path + ", t = " + text(fluid_->time()) + " s\n");
+  watch_.say("twogrid: the fluid goes on from " + path + ", t = " + text(fluid_->time()) + " s\n");
 }
 
 /// Later runs: what has come to be worth a warning since the scene report.
@@ -164,11 +183,7 @@ void FixTwogrid::look_at_scene() {
     for (const std::string& w : scene_warnings(s, fluid_->grid(), facts, scene_numbers(s, fluid_->grid(), facts)))
       now.push_back(w);
   }
-  for (const std::string& w : now)
-    if (std::find(said_.begin(), said_.end(), w) == said_.end()) {
-      warn(w);
-      said_.push_back(w);
-    }
+  watch_.warn_of_news(now);
 }
 
 void FixTwogrid::init() {
@@ -192,7 +207,7 @@ void FixTwogrid::init() {
 
 void FixTwogrid::build() {
   Settings& s = script_.settings;
-  say(check_memory(world, s, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells()));
+  watch_.say(check_memory(world, s, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells()));
   complete(script_, box_facts(*lmp));
   names_.resolve();
   const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));
@@ -208,24 +223,26 @@ void FixTwogrid::build() {
   const Layout layout = fluid_layout(*lmp, grid, s.ratio);
   for (int d = 0; d < 3; ++d) facts.fluid_bricks[d] = int(layout.cuts()[d].size()) - 1;
   fluid_ = std::make_unique<FluidSolver>(world, grid, layout, s.fluid);
-  fluid_->watch_steps([this](int steps, double share) { watch_fluid_step(steps, share); });
+  fluid_->watch_steps([this](int steps, double share) { watch_.look_within(steps, share, fluid_->time()); });
   const ParticleRegion region = particle_region(*lmp);
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, region.lo, region.hi, region.reach);
   install_models({script_, *fluid_, *coupling_, [this](const std::string& n) { return particle_property(*lmp, n); }});
-  watch_ = CouplingWatch(s.bound, s.eps_min);
+  watch_.look_at(CouplingWatch(s.bound, s.eps_min));
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();
-  say(scene_report(script_, grid, facts));
-  for (const std::string& sentence : doubts(*lmp)) warn(sentence);
+  watch_.say(scene_report(script_, grid, facts));
+  for (const std::string& sentence : doubts(*lmp)) watch_.warn(sentence);
   if (!state_->recent_restart && !id_in_restart_.empty())
-    warn("the restart file holds what a fix twogrid of ID " + id_in_restart_ +
-         " knew of the particles, which this fix can't take over: give it that ID, or it begins anew; the fluid starts "
-         "from 'initial u' at time 0 in any case");
-  said_ = scene_warnings(s, grid, facts, scene_numbers(s, grid, facts));
+    watch_.warn(
+        "the restart file holds what a fix twogrid of ID " + id_in_restart_ +
+        " knew of the particles, which this fix can't take over: give it that ID, or it begins anew; the fluid starts "
+        "from 'initial u' at time 0 in any case");
+  watch_.have_said(scene_warnings(s, grid, facts, scene_numbers(s, grid, facts)));
   box_ = box_facts(*lmp);
   check_restarted(state_->recent_restart, script_.checkpoint_read);
   if (state_->recent_restart && script_.checkpoint_read.empty())
-    warn("the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
+    watch_.warn(
+        "the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }
 
 void FixTwogrid::open_output() {
@@ -251,8 +268,8 @@ void FixTwogrid::pre_exchange() {
     coupling_->move_region(region.lo, region.hi, region.reach);
   });
   if (!balance_said_)
-    say("twogrid: the ranks' parts of the box follow the particles: the fullest had " + text(balance_->fullest()) +
-        " times the mean (-balance off keeps them)\n");
+    watch_.say("twogrid: the ranks' parts of the box follow the particles: the fullest had " +
+               text(balance_->fullest()) + " times the mean (-balance off keeps them)\n");
   balance_said_ = true;
 }
 
@@ -266,12 +283,12 @@ void FixTwogrid::setup(int) {
     names_.run_is_set_up();
     if (gravity_varies_) coupling_->set_gravity(find_weights(*lmp, true));
     coupling_->force(p, update->dt, false);
-    watch_coupling();
-    warn_of_unused_options("-fluid_", "-fluid_momentum_");  // asked for when viscosity is first implicit
+    watch_.look(coupling_->report(), schedule_.steps());
+    watch_.warn_of_unused_options("-fluid_", "-fluid_momentum_");  // asked for when viscosity is first implicit
 
     if (frame_due()) write_frame(p);
     schedule_.begin_run();
-    progress_.begin(MPI_Wtime(), update->laststep - update->firststep);
+    watch_.begin_run(update->laststep - update->firststep);
     times_.begin(update->ntimestep, coupling_->shares());
   });
 }
@@ -304,43 +321,18 @@ void FixTwogrid::pre_force(int) {
 }
 
 void FixTwogrid::couple() {
-  watch_particles(signal_seen());
+  watch_.look(schedule_);
   Particles p = particles();
   const bool check = accuracy_.due();
-  coupling_begin_ = MPI_Wtime();
+  watch_.begin_coupling();
   coupling_->advance(p, schedule_.steps(), schedule_.mean_dt(), check);
   accuracy_.count_coupling();
   if (check) adjust_steps();
-  watch_coupling();
+  watch_.look(coupling_->report(), schedule_.steps());
   // The coupling has changed velocities. Ghosts must follow, or else the two sides of a contact across a border of
   // ranks or of the box see different damping, and momentum is lost.
   comm->forward_comm();
   schedule_.end_interval();
-}
-
-/// Says what the last coupling's report should not go on without.
-void FixTwogrid::watch_coupling() {
-  for (const std::string& sentence : watch_.look(coupling_->report(), schedule_.steps(), update->dt))
-    warn(sentence + " (step " + std::to_string(update->ntimestep) + ")");
-}
-
-/// Options of the command line that begin so, not the others, and that nothing has asked for: misspelt, most likely.
-void FixTwogrid::warn_of_unused_options(const std::string& beginning, const std::string& but) {
-  for (const std::string& sentence : unused_options_.sentences(beginning, but)) warn(sentence);
-}
-
-/// Between the fluid steps of one coupling: progress, and signals that can't wait for its end.
-void FixTwogrid::watch_fluid_step(int steps, double share) {
-  const double now = MPI_Wtime(), spent = now - coupling_begin_;
-  double most[2] = {double(signal_seen()), spent * (1 - share) / share};
-  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, world);
-  if (most[0] > 0 && most[1] > kPatience)
-    throw std::runtime_error("ended by signal " + std::to_string(int(most[0])) + " within a coupling, after " +
-                             std::to_string(steps) + " of its fluid steps and " + duration(most[1]) +
-                             " before its end: this step's particles are not written; lower every, or raise cfl, for "
-                             "couplings of fewer fluid steps");
-  const std::string line = progress_.line_within(now, steps, share, spent, fluid_->time());
-  if (!line.empty()) say(line + "\n");
 }
 
 /// Steps for the accuracy wanted, after a coupling that was checked.
@@ -351,19 +343,6 @@ void FixTwogrid::adjust_steps() {
   fluid_->limit_courant_number(accuracy_.cfl());
   // Inlets that follow a variable are evaluated at the next coupling: LIGGGHTS must be told the step, which may be new.
   if (started_) modify->addstep_compute(update->ntimestep + script_.settings.every);
-}
-
-/// One small message a coupling: has a signal come to any rank, and have particles vanished?
-void FixTwogrid::watch_particles(long long own_signal) {
-  long long sum[2] = {atom->nlocal, own_signal};
-  MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_LONG_LONG, MPI_SUM, world);
-  if (sum[1] > 0) SignalHandler::request_quit = true;  // ends the run on all ranks after this step
-
-  // LIGGGHTS forgets particles that leave by a side in silence.
-  if (const long long lost = schedule_.count_particles(sum[0]); lost > 0)
-    warn(std::to_string(lost) + " particle(s) have vanished up to step " + std::to_string(update->ntimestep) +
-         ": unless the script deletes them, they left the box by a side that is not periodic; put a wall there, or "
-         "lower timestep if they broke through one");
 }
 
 void FixTwogrid::post_force(int) {
@@ -398,9 +377,7 @@ void FixTwogrid::end_coupling() {
       }
       if (frame_due()) write_frame(p);
     }
-    const std::string line =
-        progress_.line(MPI_Wtime(), times_.done(update->ntimestep), coupling_->report().fluid_time);
-    if (!line.empty()) say(line + "\n");
+    watch_.tell_progress(times_.done(update->ntimestep), coupling_->report().fluid_time);
   });
 }
 
@@ -419,9 +396,9 @@ void FixTwogrid::post_run() {
   guarded([&] {
     if (output_) output_->finish();
     const std::string times = times_.text(world, coupling_->shares());
-    if (times_.done(update->ntimestep) > 0) say(times + "\n");
-    warn_of_unused_options("-", "");
-    if (accuracy_.on()) say(accuracy_text(accuracy_) + "\n");
+    if (times_.done(update->ntimestep) > 0) watch_.say(times + "\n");
+    watch_.warn_of_unused_options("-", "");
+    if (accuracy_.on()) watch_.say(accuracy_text(accuracy_) + "\n");
     Particles p = particles();
     coupling_->rest(p);
   });
@@ -434,16 +411,6 @@ double FixTwogrid::compute_vector(int i) {
 
 double FixTwogrid::memory_usage() {
   return fluid_ ? 100.0 * sizeof(double) * double(fluid_->layout().cells(comm->me).count()) : 0;
-}
-
-void FixTwogrid::say(const std::string& text) const {
-  if (comm->me != 0) return;
-  if (screen) std::fputs(text.c_str(), screen), std::fflush(screen);
-  if (logfile) std::fputs(text.c_str(), logfile), std::fflush(logfile);
-}
-
-void FixTwogrid::warn(const std::string& text) const {
-  say("WARNING: fix " + std::string(id) + " twogrid: " + text + "\n");
 }
 
 }  // namespace twogrid

@@ -32,10 +32,8 @@
 #include "liggghts_fixes/liggghts/balance.h"
 #include "liggghts_fixes/liggghts/motion.h"
 #include "liggghts_fixes/liggghts/script_names.h"
-#include "liggghts_fixes/report/coupling_watch.h"
-#include "liggghts_fixes/report/progress.h"
 #include "liggghts_fixes/report/run_times.h"
-#include "liggghts_fixes/run/petsc_session.h"
+#include "liggghts_fixes/run/run_watch.h"
 #include "liggghts_fixes/script/script_parser.h"
 
 namespace LAMMPS_NS {
@@ -73,6 +71,14 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override {}
 
+  /// It has been set up: there is something to keep.
+  bool has_state() const { return started_; }
+  /// Between runs: the fluid and all that the coupling has in hand, into an HDF5 file of this path, which is neither
+  /// synced nor renamed. Collective. Throws with a sentence on all ranks.
+  void write_checkpoint(const std::string& path);
+  /// Before the first run: it begins as the file says, which belongs to the particles that a restart file has brought.
+  void go_on_from(const std::string& path);
+
  private:
   /// f(), with the fix's name and the step in front of the sentence of any exception.
   template <class F>
@@ -82,20 +88,15 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void build();
   void open_output();
   CheckpointParts checkpoint_parts() { return {world, script_.settings, *fluid_, *coupling_, schedule_.state()}; }
-  void write_checkpoint();
+  void refuse_without_state() const;
+  void keep_checkpoint();
   void read_checkpoint();
   Particles particles();
   void couple();
   void end_coupling();
   void adjust_steps();
-  void watch_coupling();
-  void warn_of_unused_options(const std::string& beginning, const std::string& but);
-  void watch_fluid_step(int steps, double share);
-  void watch_particles(long long own_signal);
   bool frame_due() const;
   void write_frame(const Particles& p);
-  void say(const std::string& text) const;
-  void warn(const std::string& text) const;
 
   Script script_;
   ScriptNames names_;
@@ -118,14 +119,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   bool watchers_ = true;  // see any_watchers()
   bool quiet_ = false;    // this step changes nothing
 
-  BoxFacts box_;                   // for which the fluid was made
-  std::vector<std::string> said_;  // warnings about the scene, so far
-  CouplingWatch watch_;
-  UnusedOptions unused_options_;
-
-  Progress progress_;
+  BoxFacts box_;  // for which the fluid was made
+  RunWatch watch_;
   RunTimes times_;
-  double coupling_begin_ = 0;  // wall clock
 };
 
 }  // namespace twogrid

@@ -82,20 +82,24 @@ std::string put_in_place(const std::string& from, const std::string& to) {
 
 }  // namespace
 
+void write_plain_checkpoint(const std::string& path, const CheckpointParts& c, long long step, long long particles) {
+  const Layout nodes = node_layout(c.fluid.layout(), nodes_of(c));
+  Hdf5File file(c.comm, path, Hdf5File::Mode::kCreate, bytes_of(c), kKeyword);
+  file.group("/record");
+  file.attribute("/record", "version", std::vector<int>{kVersion});
+  file.attribute("/record", "scene", scene(c));
+  file.replicated("/record/step", {double(step)}, {1});
+  file.replicated("/record/particles", {double(particles)}, {1});
+  file.replicated("/record/every", {double(c.settings.every)}, {1});
+  StateFile states(c.comm, c.fluid.layout(), nodes, file);
+  for_each_state(c, [&](const char* group, const auto& state) { states.write(group, state); });
+  file.close();
+}
+
 void write_checkpoint(const std::string& path, const CheckpointParts& c, long long step, long long particles) {
   const std::string part = path + ".part";
-  const Layout nodes = node_layout(c.fluid.layout(), nodes_of(c));
   try {
-    Hdf5File file(c.comm, part, Hdf5File::Mode::kCreate, bytes_of(c), kKeyword);
-    file.group("/record");
-    file.attribute("/record", "version", std::vector<int>{kVersion});
-    file.attribute("/record", "scene", scene(c));
-    file.replicated("/record/step", {double(step)}, {1});
-    file.replicated("/record/particles", {double(particles)}, {1});
-    file.replicated("/record/every", {double(c.settings.every)}, {1});
-    StateFile states(c.comm, c.fluid.layout(), nodes, file);
-    for_each_state(c, [&](const char* group, const auto& state) { states.write(group, state); });
-    file.close();
+    write_plain_checkpoint(part, c, step, particles);
   } catch (...) {
     if (rank_of(c.comm) == 0) std::remove(part.c_str());
     throw;

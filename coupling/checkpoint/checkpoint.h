@@ -32,6 +32,8 @@ struct CheckpointParts {
 /// Between runs. step, particles: of now, all ranks. Throws std::runtime_error with a sentence on all ranks; a file of
 /// that name is then as it was. Collective.
 void write_checkpoint(const std::string& path, const CheckpointParts& parts, long long step, long long particles);
+/// The same, straight into the file of that name, neither synced nor renamed.
+void write_plain_checkpoint(const std::string& path, const CheckpointParts& parts, long long step, long long particles);
 /// In place of the first run's beginning: the parts are as they were when it was written. Throws std::runtime_error or
 /// std::invalid_argument with a sentence on all ranks where it can't be read, or belongs to another scene, step or set of
 /// particles. Collective.

@@ -1,0 +1,91 @@
+#include "liggghts_fixes/run/run_watch.h"
+
+#include <atom.h>
+#include <comm.h>
+#include <lammps.h>
+#include <mpi.h>
+#include <signal_handling.h>
+#include <update.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+
+#include "liggghts_fixes/run/signals.h"
+
+namespace twogrid {
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+constexpr double kPatience = 10;  // s that a signal waits for the end of a coupling
+
+}  // namespace
+
+void RunWatch::say(const std::string& text) const {
+  if (lammps_.comm->me != 0) return;
+  for (FILE* file : {lammps_.screen, lammps_.logfile})
+    if (file) std::fputs(text.c_str(), file), std::fflush(file);
+}
+
+void RunWatch::warn(const std::string& text) const {
+  say("WARNING: fix " + id_ + " twogrid: " + text + "\n");
+}
+
+void RunWatch::warn_of_news(const std::vector<std::string>& warnings) {
+  for (const std::string& w : warnings)
+    if (std::find(said_.begin(), said_.end(), w) == said_.end()) {
+      warn(w);
+      said_.push_back(w);
+    }
+}
+
+void RunWatch::warn_of_unused_options(const std::string& beginning, const std::string& but) {
+  for (const std::string& sentence : unused_options_.sentences(beginning, but)) warn(sentence);
+}
+
+void RunWatch::begin_run(long long steps) {
+  progress_.begin(MPI_Wtime(), steps);
+}
+
+void RunWatch::look(Schedule& schedule) const {
+  long long sum[2] = {lammps_.atom->nlocal, signal_seen()};
+  MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_LONG_LONG, MPI_SUM, lammps_.world);
+  if (sum[1] > 0) SignalHandler::request_quit = true;
+
+  // LIGGGHTS forgets particles that leave by a side in silence.
+  if (const long long lost = schedule.count_particles(sum[0]); lost > 0)
+    warn(std::to_string(lost) + " particle(s) have vanished up to step " + std::to_string(lammps_.update->ntimestep) +
+         ": unless the script deletes them, they left the box by a side that is not periodic; put a wall there, or "
+         "lower timestep if they broke through one");
+}
+
+void RunWatch::begin_coupling() {
+  coupling_begin_ = MPI_Wtime();
+}
+
+void RunWatch::look_within(int steps, double share, double time) {
+  const double now = MPI_Wtime(), spent = now - coupling_begin_;
+  double most[2] = {double(signal_seen()), spent * (1 - share) / share};
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, lammps_.world);
+  if (most[0] > 0 && most[1] > kPatience)
+    throw std::runtime_error("ended by signal " + std::to_string(int(most[0])) + " within a coupling, after " +
+                             std::to_string(steps) + " of its fluid steps and " + duration(most[1]) +
+                             " before its end: this step's particles are not written; lower every, or raise cfl, for "
+                             "couplings of fewer fluid steps");
+  const std::string line = progress_.line_within(now, steps, share, spent, time);
+  if (!line.empty()) say(line + "\n");
+}
+
+void RunWatch::look(const Report& report, int steps) {
+  for (const std::string& sentence : coupling_.look(report, steps, lammps_.update->dt))
+    warn(sentence + " (step " + std::to_string(lammps_.update->ntimestep) + ")");
+}
+
+void RunWatch::tell_progress(long long done, double time) {
+  const std::string line = progress_.line(MPI_Wtime(), done, time);
+  if (!line.empty()) say(line + "\n");
+}
+
+}  // namespace twogrid
