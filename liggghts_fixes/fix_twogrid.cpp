@@ -50,6 +50,8 @@ template <class F>
 auto FixTwogrid::guarded(F&& f) -> decltype(f()) {
   try {
     return f();
+  } catch (const EndedBySignal&) {
+    throw;
   } catch (const std::exception& e) {
     const std::string when = started_ ? " (step " + std::to_string(update->ntimestep) + ")" : "";
     throw std::runtime_error("fix " + std::string(id) + " twogrid: " + e.what() + when);
@@ -74,11 +76,9 @@ FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg)
   peratom_freq = 1;
   nevery = 1;
   atom->add_callback(0);
-  add_signal_listener(+1);
 }
 
 FixTwogrid::~FixTwogrid() {
-  add_signal_listener(-1);
   atom->delete_callback(id, 0);
 }
 
@@ -131,7 +131,7 @@ void FixTwogrid::grow_arrays(int) {
 int FixTwogrid::modify_param(int narg, char** arg) {
   guarded([&] {
     set_up_ = false;
-    parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ != nullptr);
+    parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ || has_run_);
     if (!script_.settings.output.file.empty()) check(script_.settings.output);
     if (!script_.checkpoint_write.empty()) keep_checkpoint();
   });

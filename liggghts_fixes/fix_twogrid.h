@@ -73,6 +73,10 @@ class FixTwogrid : public LAMMPS_NS::Fix {
 
   /// It has been set up: there is something to keep.
   bool has_state() const { return started_; }
+  /// What the script has asked for.
+  const CheckpointPlan& checkpoint_plan() const { return script_.checkpoints; }
+  /// In a script that is said again: the commands that follow came after a run with this fix.
+  void take_as_run() { has_run_ = true; }
   /// Between runs: the fluid and all that the coupling has in hand, into an HDF5 file of this path, which is neither
   /// synced nor renamed. Collective. Throws with a sentence on all ranks.
   void write_checkpoint(const std::string& path);
@@ -113,6 +117,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
 
   Schedule schedule_;
   bool set_up_ = false;   // LIGGGHTS has set up a run since this fix was made or modified
+  bool has_run_ = false;  // so has another process with this script
   bool started_ = false;  // the coupling has deposited once
   bool gravity_varies_ = false;
   Motion motion_;         // of this run

@@ -1,41 +1,22 @@
 // twogrid: LIGGGHTS, with fix twogrid. Same command line and scripts as LIGGGHTS, plus PETSc's options.
-#include <input.h>
 #include <lammps.h>
 #include <mpi.h>
-#include <signal_handling.h>
-#include <update.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "liggghts_fixes/run/command_line.h"
 #include "liggghts_fixes/run/end_run.h"
+#include "liggghts_fixes/run/old_files.h"
 #include "liggghts_fixes/run/petsc_session.h"
+#include "liggghts_fixes/run/session.h"
 #include "liggghts_fixes/run/signals.h"
 #include "liggghts_fixes/script/keywords.h"
 #include "liggghts_fixes/style_registry.h"
-
-namespace {
-
-/// Runs the script. Returns the signal that ended it, or 0.
-int run_script(LAMMPS_NS::LAMMPS& lammps) {
-  lammps.input->file();
-  if (!LAMMPS_NS::SignalHandler::request_quit) return 0;
-  LAMMPS_NS::SignalHandler::request_quit = false;  // else no command is taken any more
-  const std::string file = "restart.signal." + std::to_string(lammps.update->ntimestep);
-  lammps.input->one(("write_restart " + file).c_str());
-  if (lammps.screen) std::fprintf(lammps.screen, "twogrid: ended by a signal; the particles are in %s\n", file.c_str());
-  if (lammps.logfile)
-    std::fprintf(lammps.logfile, "twogrid: ended by a signal; the particles are in %s\n", file.c_str());
-  const int seen = twogrid::signal_seen();
-  int number = 0;
-  MPI_Allreduce(&seen, &number, 1, MPI_INT, MPI_MAX, lammps.world);
-  return number;
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   // Whole lines are out at once, also where the output is a file or a pipe and a run doesn't end well.
@@ -59,17 +40,32 @@ int main(int argc, char** argv) {
     }
     twogrid::start_petsc(line.petsc);
     twogrid::install_signal_handlers();  // PETSc has put the default ones back
+    twogrid::Checkpoint from = twogrid::checkpoint_wanted(MPI_COMM_WORLD, line);
+    if (!from.path.empty()) {
+      int rank = 0;
+      MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+      if (rank == 0) twogrid::keep_file(line.log);
+      MPI_Barrier(MPI_COMM_WORLD);
+    }
     std::vector<char*> words;
     for (std::string& w : line.liggghts) words.push_back(w.data());
     lammps = new LAMMPS_NS::LAMMPS(int(words.size()), words.data(), MPI_COMM_WORLD);
     twogrid::keep_sentences(lammps);
     twogrid::register_styles(*lammps, line.particles);
-    const int signal = run_script(*lammps);
+    twogrid::Session session(*lammps, line, std::move(from));
+    twogrid::handle_runs([&](const std::string& name, std::vector<std::string> w) {
+      w.insert(w.begin(), name);
+      session.run_command(w);
+    });
+    const int signal = session.run();
+    twogrid::handle_runs({});
     status = signal == 0 ? 0 : 128 + signal;
     twogrid::keep_sentences(nullptr);
     delete lammps;
+  } catch (const twogrid::EndedBySignal& e) {
+    twogrid::end_with_error(lammps, errors, e.what(), 128 + e.number);
   } catch (const std::exception& e) {
-    twogrid::end_with_error(lammps, errors, e.what());
+    twogrid::end_with_error(lammps, errors, e.what(), EXIT_FAILURE);
   }
   MPI_Comm_free(&errors);
   MPI_Finalize();

@@ -89,22 +89,34 @@ bool without_setup(int narg, char** arg) {
   return false;
 }
 
-template <const char* const& kName>
-void run(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+twogrid::RunHandler run_handler;
+
+/// As LIGGGHTS has it, with the fixes in our order.
+void run_as_it_is(LAMMPS_NS::LAMMPS* lammps, const char* name, std::vector<std::string> words) {
+  std::vector<char*> arg;
+  for (std::string& w : words) arg.push_back(w.data());
   LAMMPS_NS::Modify& modify = *lammps->modify;
   const auto fixes = [&] { return std::vector<LAMMPS_NS::Fix*>(modify.fix, modify.fix + modify.nfix); };
   const bool fluid = modify.n_fixes_style_strict(twogrid::FixTwogrid::kStyle) > 0;
-  if (without_setup(narg, arg) && lammps->update->first_update && (fluid || fluid_in_run) && fixes() != fixes_of_run)
-    twogrid::refuse(kName, "'pre no' after a fix was added or deleted since the last run",
+  if (without_setup(int(arg.size()), arg.data()) && lammps->update->first_update && (fluid || fluid_in_run) &&
+      fixes() != fixes_of_run)
+    twogrid::refuse(name, "'pre no' after a fix was added or deleted since the last run",
                     "a run with set-up, which is LIGGGHTS' default: leave 'pre no' out");
   twogrid::move_behind_forces(*lammps, twogrid::FixTwogrid::kStyle);
-  stock_command[kName](lammps, narg, arg);
+  stock_command[name](lammps, int(arg.size()), arg.data());
   fixes_of_run = fixes();
   fluid_in_run = fluid;
 }
 
+template <const char* const& kName>
+void run(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  const std::vector<std::string> words(arg, arg + narg);
+  if (run_handler) return run_handler(kName, words);
+  run_as_it_is(lammps, kName, words);
+}
+
 constexpr const char *kCreateBox = "create_box", *kReadData = "read_data", *kReadRestart = "read_restart",
-                     *kRun = "run", *kRunTime = "run_time";
+                     *kRun = "run", *kRunTime = "run_time", *kWriteRestart = "write_restart";
 
 }  // namespace
 
@@ -131,6 +143,20 @@ void register_styles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel) {
     stock_command[name] = stock->second;
     stock->second = ours;
   }
+}
+
+void handle_runs(RunHandler handler) {
+  run_handler = std::move(handler);
+}
+
+void stock_run(LAMMPS_NS::LAMMPS& lammps, const std::string& name, const std::vector<std::string>& words) {
+  run_as_it_is(&lammps, name == kRun ? kRun : kRunTime, words);
+}
+
+void stock_write_restart(LAMMPS_NS::LAMMPS& lammps, std::string path) {
+  char* arg[] = {path.data()};
+  const auto& commands = *(lammps.input->*member(CommandMap{}));
+  commands.at(kWriteRestart)(&lammps, 1, arg);
 }
 
 }  // namespace twogrid

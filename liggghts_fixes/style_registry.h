@@ -1,7 +1,9 @@
 // Adds this project's styles to a LIGGGHTS that was built without them.
 #pragma once
 
+#include <functional>
 #include <string>
+#include <vector>
 
 namespace LAMMPS_NS {
 class LAMMPS;
@@ -19,5 +21,13 @@ namespace twogrid {
 /// Throws std::invalid_argument for a kernel that the processor can't run. Call once, before the script is read. Not
 /// collective.
 void register_styles(LAMMPS_NS::LAMMPS& lammps, const std::string& kernel);
+
+/// What takes a command `run` or `run_time` (name, words) from the script from now on; empty: stock_run().
+using RunHandler = std::function<void(const std::string& name, const std::vector<std::string>& words)>;
+void handle_runs(RunHandler handler);
+/// LIGGGHTS' own command of that name, with the fixes in our order. Collective.
+void stock_run(LAMMPS_NS::LAMMPS& lammps, const std::string& name, const std::vector<std::string>& words);
+/// LIGGGHTS' own write_restart. Collective.
+void stock_write_restart(LAMMPS_NS::LAMMPS& lammps, std::string path);
 
 }  // namespace twogrid

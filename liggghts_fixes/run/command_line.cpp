@@ -41,8 +41,17 @@ CommandLine split_command_line(const std::vector<std::string>& words) {
   CommandLine c;
   c.liggghts.push_back(words.at(0));
   c.petsc.push_back(words.at(0));
+  const bool has_script =
+      std::any_of(words.begin(), words.end(), [](const auto& w) { return w == "-in" || w == "-i"; });
   for (std::size_t i = 1; i < words.size();) {
     const std::string& name = words[i++];
+    if (name == "-restart" && has_script) {
+      if (i == words.size() || words[i][0] == '-')
+        throw std::invalid_argument(
+            "command line: found -restart without a name, wanted the folder of checkpoints to go on from, or auto");
+      c.restart = words[i++];
+      continue;
+    }
     const auto known = liggghts_switches().find(name);
     if (known != liggghts_switches().end()) {
       c.liggghts.push_back(name);
@@ -53,8 +62,13 @@ CommandLine split_command_line(const std::vector<std::string>& words) {
         c.liggghts.push_back(words[i++]);
       }
       if ((name == "-screen" || name == "-sc") && c.liggghts.back() == "none") c.liggghts.back() = "/dev/null";
-      if (name == "-var" || name == "-v")  // a variable may have several values
+      if (name == "-in" || name == "-i") c.script = c.liggghts.back();
+      if (name == "-log" || name == "-l") c.log = c.liggghts.back();
+      if (name == "-var" || name == "-v") {  // a variable may have several values
         while (i < words.size() && words[i][0] != '-') c.liggghts.push_back(words[i++]);
+        const auto at = std::find(c.liggghts.rbegin(), c.liggghts.rend(), name).base();
+        c.variables.emplace_back(at, c.liggghts.end());
+      }
     } else if (name == "-version" || name == "--version") {
       c.version = true;
     } else if (name == "-keywords" || name == "--keywords") {

@@ -67,18 +67,18 @@ void write_last_sentence() {
   std::fflush(nullptr);
 }
 
-void end_with_error(LAMMPS_NS::LAMMPS* lammps, MPI_Comm comm, const std::string& sentence) {
+void end_with_error(LAMMPS_NS::LAMMPS* lammps, MPI_Comm comm, const std::string& sentence, int code) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   if (all_arrive(comm, 2.0)) {
     if (rank == 0) say(lammps, "ERROR: " + sentence);
     MPI_Finalize();
-    std::exit(EXIT_FAILURE);
+    std::exit(code);
   }
   say(lammps, "ERROR on rank " + std::to_string(rank) + ": " + sentence);
   std::fflush(nullptr);
-  PMPI_Abort(MPI_COMM_WORLD, EXIT_FAILURE);
-  std::_Exit(EXIT_FAILURE);
+  PMPI_Abort(MPI_COMM_WORLD, code);
+  std::_Exit(code);
 }
 
 }  // namespace twogrid

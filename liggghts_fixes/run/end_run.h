@@ -16,9 +16,9 @@ namespace twogrid {
 void keep_sentences(LAMMPS_NS::LAMMPS* lammps);
 
 /// To be called with the sentence of an error by every rank that has one. If all ranks arrive here within two seconds,
-/// rank 0 says it, on screen and in the log, MPI and PETSc are finalised and the exit code is 1. Otherwise the error is
+/// rank 0 says it, on screen and in the log, MPI and PETSc are finalised and the exit code is `code`. Otherwise the error is
 /// of some ranks only: each of these says its own sentence and MPI_Abort ends all ranks. comm: one of its own,
 /// used for nothing else. lammps may be null.
-[[noreturn]] void end_with_error(LAMMPS_NS::LAMMPS* lammps, MPI_Comm comm, const std::string& sentence);
+[[noreturn]] void end_with_error(LAMMPS_NS::LAMMPS* lammps, MPI_Comm comm, const std::string& sentence, int code);
 
 }  // namespace twogrid

@@ -4,7 +4,6 @@
 #include <comm.h>
 #include <lammps.h>
 #include <mpi.h>
-#include <signal_handling.h>
 #include <update.h>
 
 #include <algorithm>
@@ -50,12 +49,10 @@ void RunWatch::begin_run(long long steps) {
 }
 
 void RunWatch::look(Schedule& schedule) const {
-  long long sum[2] = {lammps_.atom->nlocal, signal_seen()};
-  MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_LONG_LONG, MPI_SUM, lammps_.world);
-  if (sum[1] > 0) SignalHandler::request_quit = true;
-
+  long long particles = lammps_.atom->nlocal;
+  MPI_Allreduce(MPI_IN_PLACE, &particles, 1, MPI_LONG_LONG, MPI_SUM, lammps_.world);
   // LIGGGHTS forgets particles that leave by a side in silence.
-  if (const long long lost = schedule.count_particles(sum[0]); lost > 0)
+  if (const long long lost = schedule.count_particles(particles); lost > 0)
     warn(std::to_string(lost) + " particle(s) have vanished up to step " + std::to_string(lammps_.update->ntimestep) +
          ": unless the script deletes them, they left the box by a side that is not periodic; put a wall there, or "
          "lower timestep if they broke through one");
@@ -70,10 +67,10 @@ void RunWatch::look_within(int steps, double share, double time) {
   double most[2] = {double(signal_seen()), spent * (1 - share) / share};
   MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, lammps_.world);
   if (most[0] > 0 && most[1] > kPatience)
-    throw std::runtime_error("ended by signal " + std::to_string(int(most[0])) + " within a coupling, after " +
-                             std::to_string(steps) + " of its fluid steps and " + duration(most[1]) +
-                             " before its end: this step's particles are not written; lower every, or raise cfl, for "
-                             "couplings of fewer fluid steps");
+    throw EndedBySignal(int(most[0]), "ended by signal " + std::to_string(int(most[0])) + " within a coupling, after " +
+                                          std::to_string(steps) + " of its fluid steps and " + duration(most[1]) +
+                                          " before its end: no checkpoint of this step is written, the last one stays; "
+                                          "lower every, or raise cfl, for couplings of fewer fluid steps");
   const std::string line = progress_.line_within(now, steps, share, spent, time);
   if (!line.empty()) say(line + "\n");
 }

@@ -34,8 +34,7 @@ class RunWatch {
   CouplingWatch& coupling() { return coupling_; }
   /// A run of so many DEM steps begins.
   void begin_run(long long steps);
-  /// Before a coupling, one small message: has a signal come to any rank (the run then ends on all after this step), and
-  /// have particles vanished? Collective.
+  /// Before a coupling, one small message: have particles vanished? Collective.
   void look(Schedule& schedule) const;
   /// The coupling begins.
   void begin_coupling();

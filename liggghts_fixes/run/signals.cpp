@@ -1,20 +1,23 @@
 #include "liggghts_fixes/run/signals.h"
 
-#include <signal_handling.h>
-
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 
 namespace twogrid {
 namespace {
 
 // A handler can reach nothing but an object of static duration.
-volatile std::sig_atomic_t first_signal = 0, listeners = 0;
+volatile std::sig_atomic_t first_signal = 0;
+volatile std::time_t first_time = 0;
 
 extern "C" void take_signal(int number) {
-  if (listeners == 0) return LAMMPS_NS::SignalHandler::int_handler(number);
-  if (first_signal != 0) std::_Exit(128 + number);
-  first_signal = number;
+  if (first_signal == 0) {
+    first_signal = number;
+    first_time = std::time(nullptr);
+  } else if (number == SIGINT && first_signal == SIGINT && std::time(nullptr) > first_time) {
+    std::_Exit(128 + number);
+  }
 }
 
 }  // namespace
@@ -22,15 +25,8 @@ extern "C" void take_signal(int number) {
 void install_signal_handlers() {
   struct sigaction action = {};
   action.sa_handler = take_signal;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  struct sigaction restart = {};
-  restart.sa_handler = LAMMPS_NS::SignalHandler::usr1_handler;
-  sigaction(SIGUSR1, &restart, nullptr);
-}
-
-void add_signal_listener(int change) {
-  listeners = listeners + change;
+  action.sa_flags = SA_RESTART;
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) sigaction(number, &action, nullptr);
 }
 
 int signal_seen() {

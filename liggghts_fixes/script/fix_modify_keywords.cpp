@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "coupling/forces/drag.h"
 #include "coupling/methods.h"
@@ -190,12 +191,53 @@ std::string output_text(const Script& script) {
 
 // ---- checkpoint ----------------------------------------------------------------------------------------------------
 
+void parse_checkpoint_times(const Line& line, CheckpointPlan& plan) {
+  const std::string wanted = "a number of DEM steps, or a time as in 'every 30 min' or 'every 2 h'";
+  const std::string found = line.words.peek();
+  const double number = line.words.positive("checkpoint every", wanted);
+  plan.every = 0, plan.seconds = 0;
+  if (line.words.take_if("min")) {
+    plan.seconds = 60 * number;
+  } else if (line.words.take_if("h")) {
+    plan.seconds = 3600 * number;
+  } else {
+    if (number != std::floor(number) || number > 1e15) refuse("checkpoint every", found, wanted);
+    plan.every = (long long)(number);
+  }
+}
+
 void parse_checkpoint(const Line& line) {
-  const bool write = line.words.one_of("checkpoint", {"write", "read"}) == 0;
-  if (!write && line.started)
-    refuse("checkpoint read", "it after a run with this fix", "it before the first run, after read_restart");
-  (write ? line.script.checkpoint_write : line.script.checkpoint_read) =
-      line.words.word(write ? "checkpoint write" : "checkpoint read", "a file name");
+  CheckpointPlan& plan = line.script.checkpoints;
+  switch (line.words.one_of("checkpoint", {"write", "read", "every", "folder", "keep"})) {
+    case 0:
+      line.script.checkpoint_write = line.words.word("checkpoint write", "a file name");
+      break;
+    case 1:
+      if (line.started)
+        refuse("checkpoint read", "it after a run with this fix", "it before the first run, after read_restart");
+      line.script.checkpoint_read = line.words.word("checkpoint read", "a file name");
+      break;
+    case 2:
+      parse_checkpoint_times(line, plan);
+      break;
+    case 3:
+      plan.folder = line.words.word("checkpoint folder", "a folder's name");
+      break;
+    default:
+      plan.keep = line.words.whole("checkpoint keep", "a number of checkpoints, at least 1", 1);
+  }
+  while (line.words.next_is("every") || line.words.next_is("folder") || line.words.next_is("keep"))
+    parse_checkpoint(line);
+}
+
+std::string checkpoint_text(const Script& script) {
+  const CheckpointPlan& plan = script.checkpoints;
+  std::string s = script.checkpoint_read.empty() ? "" : "read " + script.checkpoint_read;
+  if (plan.every > 0) s += " every " + std::to_string(plan.every);
+  if (plan.seconds > 0) s += " every " + exact(plan.seconds / 60) + " min";
+  if (!plan.folder.empty()) s += " folder " + plan.folder;
+  if (plan.by_itself()) s += " keep " + std::to_string(plan.keep);
+  return s.empty() || s[0] != ' ' ? s : s.substr(1);
 }
 
 // ---- flow and steps ------------------------------------------------------------------------------------------------
@@ -304,10 +346,12 @@ std::vector<Keyword> make_rows() {
        "`every` N DEM steps, `file` NAME.h5, `fields` some of `u p eps faces`, `particles yes` or `no`, `average from` "
        "T (s of fluid time); or `off`",
        "", "", "none", "", parse_output, output_text, nullptr, false, true},
-      {"checkpoint", "`write` FILE, between runs, or `read` FILE, before the first", "",
-       "the fluid and all that the coupling has in hand, beside the particles in LIGGGHTS' restart file", "none", "",
-       parse_checkpoint, [](const Script& s) { return s.checkpoint_read.empty() ? "" : "read " + s.checkpoint_read; },
-       nullptr, false, true},
+      {"checkpoint",
+       "`every` N (DEM steps), T `min` or T `h`, `folder` NAME, `keep` K; or `write` FILE, between runs, or `read` "
+       "FILE, "
+       "before the first",
+       "", "all that a run needs to go on, see Restart", "none; K 2", "", parse_checkpoint, checkpoint_text, nullptr,
+       false, true},
       {"model", "NAME keyword value ...", "", "", "none", "", parse_model, nullptr, nullptr, false, true}};
   std::vector<std::string> names;
   for (const Model& m : models()) {

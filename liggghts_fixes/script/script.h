@@ -23,12 +23,23 @@ struct ConditionNames {
   std::string table;   ///< file of the inlet's profile; empty: none
 };
 
+/// Checkpoints that are written during runs (liggghts_fixes/run/checkpoint_folder.h).
+struct CheckpointPlan {
+  long long every = 0;  ///< DEM steps; 0: not by steps
+  double seconds = 0;   ///< by the clock; 0: not by the clock
+  std::string folder;   ///< empty: the default
+  int keep = 2;         ///< how many are kept
+
+  bool by_itself() const { return every > 0 || seconds > 0; }
+};
+
 /// A script so far.
 struct Script {
   Settings settings;
   bool domain_given = false;
   bool every_auto = false;
   std::string checkpoint_read, checkpoint_write;  ///< files; empty: not asked for
+  CheckpointPlan checkpoints;
   std::array<bool, 6> side_given{};  ///< the whole side's condition was stated
   std::array<std::vector<ConditionNames>, 6> names;
 };

@@ -1,0 +1,134 @@
+#include "liggghts_fixes/run/resume_point.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <iomanip>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+namespace twogrid {
+
+namespace {
+
+constexpr int kFormat = 1;
+
+void put(std::ostream& out, const std::vector<std::string>& words) {
+  out << ' ' << words.size();
+  for (const std::string& w : words) out << ' ' << std::quoted(w);
+  out << '\n';
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::string& text) : in_(text) {}
+  void expect(const char* name) {
+    std::string found;
+    in_ >> found;
+    if (found != name) broken();
+  }
+  template <class T>
+  T number() {
+    T value{};
+    if (!(in_ >> value)) broken();
+    return value;
+  }
+  std::string word() {
+    std::string w;
+    if (!(in_ >> std::quoted(w))) broken();
+    return w;
+  }
+  std::size_t count() {
+    const long long n = number<long long>();
+    if (n < 0 || n > 100000000) broken();
+    return std::size_t(n);
+  }
+  std::vector<std::string> words() {
+    std::vector<std::string> w(count());
+    for (std::string& s : w) s = word();
+    return w;
+  }
+
+ private:
+  [[noreturn]] static void broken() {
+    throw std::invalid_argument("a record of a checkpoint that can't be understood");
+  }
+  std::istringstream in_;
+};
+
+bool one_of(const std::string& word, std::initializer_list<const char*> list) {
+  return std::any_of(list.begin(), list.end(), [&](const char* w) { return word == w; });
+}
+
+}  // namespace
+
+std::string to_text(const ResumePoint& p) {
+  std::ostringstream out;
+  out << std::setprecision(17) << "format " << kFormat << "\nstep " << p.step << "\ntime " << p.time << "\nparticles "
+      << p.particles << "\nvariables " << p.variables.size() << '\n';
+  for (const auto& v : p.variables) put(out, v);
+  out << "files " << p.files.size() << '\n';
+  for (const OpenScript& f : p.files) out << std::quoted(f.name) << ' ' << f.at << ' ' << std::quoted(f.text) << '\n';
+  out << "line " << std::quoted(p.line) << "\npending";
+  put(out, p.pending);
+  out << "jump_skip " << p.jump_skip << "\nrun";
+  put(out, p.run);
+  out << "begin " << p.begin << " end " << p.end << "\ndone " << p.done.size() << '\n';
+  for (const Command& c : p.done) put(out, c);
+  out << "complete\n";
+  return out.str();
+}
+
+ResumePoint resume_point(const std::string& text) {
+  Reader in(text);
+  ResumePoint p;
+  in.expect("format");
+  if (in.number<int>() != kFormat) throw std::invalid_argument("a record of another version of twogrid");
+  in.expect("step"), p.step = in.number<long long>();
+  in.expect("time"), p.time = in.number<double>();
+  in.expect("particles"), p.particles = in.number<long long>();
+  in.expect("variables"), p.variables.resize(in.count());
+  for (auto& v : p.variables) v = in.words();
+  in.expect("files"), p.files.resize(in.count());
+  for (OpenScript& f : p.files) f.name = in.word(), f.at = in.number<long>(), f.text = in.word();
+  in.expect("line"), p.line = in.word();
+  in.expect("pending"), p.pending = in.words();
+  in.expect("jump_skip"), p.jump_skip = in.number<int>() != 0;
+  in.expect("run"), p.run = in.words();
+  in.expect("begin"), p.begin = in.number<long long>();
+  in.expect("end"), p.end = in.number<long long>();
+  in.expect("done"), p.done.resize(in.count());
+  for (Command& c : p.done) c = in.words();
+  in.expect("complete");
+  return p;
+}
+
+/// FNV-1a (Fowler, Noll & Vo 1991), 64 bits.
+std::string text_checksum(const std::string& bytes) {
+  std::uint64_t h = 0xcbf29ce484222325u;
+  for (unsigned char c : bytes) h = (h ^ c) * 0x100000001b3u;
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(h));
+  return text;
+}
+
+bool is_said_again(const Command& c, bool is_style) {
+  const std::string& name = c.at(0);
+  if (one_of(name, {"create_box", "read_data", "read_restart", "neigh_modify"})) return true;
+  if (is_style) return false;
+  if (one_of(name, {"if", "include", "jump", "label", "print", "quit", "partition", "reset_timestep", "thermo_log"}))
+    return false;
+  if (name == "shell") return c.size() > 1 && one_of(c[1], {"cd", "putenv"});
+  return true;
+}
+
+void forget_scene(std::vector<Command>& done) {
+  done.erase(std::remove_if(done.begin(), done.end(),
+                            [](const Command& c) {
+                              return !one_of(c.at(0), {"variable", "next", "shell", "log", "echo"});
+                            }),
+             done.end());
+}
+
+}  // namespace twogrid

@@ -1,0 +1,248 @@
+#include "liggghts_fixes/run/session.h"
+
+#include <atom.h>
+#include <atom_vec.h>
+#include <domain.h>
+#include <input.h>
+#include <lammps.h>
+#include <modify.h>
+#include <mpi.h>
+#include <unistd.h>
+#include <update.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "cfd/parallel/ranks.h"
+#include "liggghts_fixes/fix_twogrid.h"
+#include "liggghts_fixes/liggghts/old_output.h"
+#include "liggghts_fixes/run/replay.h"
+#include "liggghts_fixes/style_registry.h"
+
+namespace twogrid {
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+std::string from_rank_0(MPI_Comm comm, std::string s) {
+  long n = long(s.size());
+  MPI_Bcast(&n, 1, MPI_LONG, 0, comm);
+  s.resize(std::size_t(n));
+  MPI_Bcast(s.data(), int(n), MPI_CHAR, 0, comm);
+  return s;
+}
+
+/// f() on rank 0; throws what it throws on all ranks.
+template <class F>
+std::string on_rank_0(MPI_Comm comm, F&& f) {
+  std::string result, why;
+  if (rank_of(comm) == 0) {
+    try {
+      result = f();
+    } catch (const std::exception& e) {
+      why = e.what();
+    }
+  }
+  why = from_rank_0(comm, why);
+  if (!why.empty()) throw std::runtime_error(why);
+  return from_rank_0(comm, result);
+}
+
+std::vector<FixTwogrid*> fluids(LAMMPS& lammps) {
+  std::vector<FixTwogrid*> found;
+  for (int i = 0; i < lammps.modify->nfix; ++i)
+    if (auto* f = dynamic_cast<FixTwogrid*>(lammps.modify->fix[i])) found.push_back(f);
+  return found;
+}
+
+}  // namespace
+
+Checkpoint checkpoint_wanted(MPI_Comm comm, const CommandLine& line) {
+  Checkpoint c;
+  if (line.restart.empty()) return c;
+  if (line.script.empty())
+    throw std::invalid_argument(
+        "-restart: found no script in the command line, wanted that of the run to go on: -in FILE");
+  const bool automatic = line.restart == "auto";
+  if (rank_of(comm) == 0) c = automatic ? find_checkpoint_of(line.script) : find_checkpoint(line.restart);
+  c.path = from_rank_0(comm, c.path);
+  c.record = from_rank_0(comm, c.record);
+  std::string passed;
+  for (const std::string& s : c.passed_over) passed += "; " + s;
+  passed = from_rank_0(comm, passed);
+  if (c.path.empty() && (!automatic || !passed.empty()))
+    throw std::invalid_argument("-restart: found no whole checkpoint " +
+                                (automatic ? "of " + line.script : "in " + line.restart) + passed +
+                                "; wanted the folder of one, or none named for a new run (then without -restart)");
+  return c;
+}
+
+Session::Session(LAMMPS& lammps, const CommandLine& line, Checkpoint from)
+    : lammps_(lammps),
+      interpreter_(lammps, line.script, line.variables),
+      early_end_(lammps.world),
+      from_(std::move(from)) {}
+
+int Session::run() {
+  if (!from_.path.empty()) go_on();
+  if (!ended_) interpreter_.run([this] { return end_here(); });
+  return early_end_.signal() != 0 && ended_ ? early_end_.signal() : 0;
+}
+
+/// Between two commands. Before the first run there is nothing to keep; later the next run keeps it.
+bool Session::end_here() {
+  if (!ended_ && !lammps_.update->first_update && early_end_.look(0) && early_end_.signal() != 0) {
+    say("twogrid: ended by signal " + std::to_string(early_end_.signal()) + " before the first run\n");
+    ended_ = true;
+  }
+  return ended_;
+}
+
+void Session::say(const std::string& text) const {
+  if (rank_of(lammps_.world) != 0) return;
+  if (lammps_.screen) std::fputs(text.c_str(), lammps_.screen), std::fflush(lammps_.screen);
+  if (lammps_.logfile) std::fputs(text.c_str(), lammps_.logfile), std::fflush(lammps_.logfile);
+}
+
+CheckpointPlan Session::plan() const {
+  for (const FixTwogrid* f : fluids(lammps_))
+    if (f->checkpoint_plan().by_itself() || !f->checkpoint_plan().folder.empty()) return f->checkpoint_plan();
+  return {};
+}
+
+void Session::run_command(const Command& words) {
+  let_runs_end(lammps_, early_end_);
+  std::optional<RunRequest> request = run_request(words, lammps_.update->ntimestep, lammps_.update->dt);
+  if (!request) return stock_run(lammps_, words[0], Command(words.begin() + 1, words.end()));
+  run_parts(words, *request);
+}
+
+/// The run's next end: of a part, or the step of a checkpoint.
+long long Session::part_to(const RunRequest& r, long long step) const {
+  const long long every = plan().every, to = r.part_end(step);
+  return every > 0 ? std::min(to, (step / every + 1) * every) : to;
+}
+
+void Session::run_parts(const Command& words, const RunRequest& r) {
+  Update& update = *lammps_.update;
+  bool set_up = r.pre;
+  early_end_.set_interval(plan().seconds);
+  for (bool first = true; first || update.ntimestep < r.end; first = false) {
+    const long long step = update.ntimestep, to = part_to(r, step);
+    if (early_end_.look(0) && early_end_.signal() != 0) {
+      if (update.first_update) write_checkpoint(words, r);
+      ended_ = true;
+      return;
+    }
+    stock_run(lammps_, "run", r.words(step, to, set_up));
+    interpreter_.note_run();
+    set_up = r.pre;
+    const long long now = update.ntimestep;
+    if (r.every > 0 && now == r.part_end(step)) {
+      lammps_.modify->clearstep_compute();
+      for (const std::string& c : r.commands) interpreter_.one(c);
+      lammps_.modify->addstep_compute(now + r.every);
+    }
+    early_end_.look(0);
+    const long long every = plan().every;
+    const bool by_steps = every > 0 && now % every == 0 && now > step;
+    if (!by_steps && !early_end_.checkpoint_due() && early_end_.signal() == 0) continue;
+    write_checkpoint(words, r);
+    set_up = true;
+    if (early_end_.signal() != 0) {
+      ended_ = true;
+      return;
+    }
+  }
+}
+
+void Session::write_checkpoint(const Command& words, const RunRequest& request) {
+  if (!interpreter_.from_file())
+    throw std::runtime_error(
+        "checkpoint: found a script that comes from the standard input, wanted one from a file (-in FILE): "
+        "a run can't be gone on with otherwise");
+  const CheckpointPlan asked = plan();
+  const CheckpointFolder folder(asked.folder.empty() ? default_folder(interpreter_.script()) : asked.folder);
+  double bytes = 8.0 * lammps_.atom->avec->size_restart() + 65536;
+  MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lammps_.world);
+  const std::string part = on_rank_0(lammps_.world, [&] { return folder.begin(bytes); });
+  std::string path;
+  try {
+    stock_write_restart(lammps_, part + "/" + kParticlesFile);
+    for (FixTwogrid* f : fluids(lammps_))
+      if (f->has_state()) f->write_checkpoint(part + "/" + f->id + ".h5");
+    ResumePoint p = interpreter_.here();
+    p.run = words;
+    p.begin = request.begin;
+    p.end = request.end;
+    p.step = lammps_.update->ntimestep;
+    p.time = lammps_.update->get_cur_time();
+    p.particles = (long long)(lammps_.atom->natoms);
+    path = on_rank_0(lammps_.world, [&] {
+      note_folder(interpreter_.script(), folder.path());
+      return folder.complete(p, asked.keep);
+    });
+  } catch (...) {
+    if (rank_of(lammps_.world) == 0) folder.give_up();
+    throw;
+  }
+  early_end_.checkpoint_written();
+  const int signal = early_end_.signal();
+  say("twogrid: checkpoint " + path +
+      (signal != 0 ? ", ended by signal " + std::to_string(signal) + ": -restart goes on from it\n" : "\n"));
+}
+
+void Session::go_on() {
+  for (const std::string& s : from_.passed_over) say("WARNING: twogrid: " + s + "\n");
+  const ResumePoint point = resume_point(from_.record);
+  say("twogrid: goes on from the checkpoint " + from_.path + ", step " + std::to_string(point.step) + "\n");
+  interpreter_.on_run([this] {
+    for (FixTwogrid* f : fluids(lammps_)) f->take_as_run();
+  });
+  set_replaying(true);
+  const std::string changed = interpreter_.go_on_from(point, from_.path + "/" + kParticlesFile);
+  set_replaying(false);
+  Update& update = *lammps_.update;
+  if (update.ntimestep != point.step || (long long)(lammps_.atom->natoms) != point.particles)
+    throw std::runtime_error("-restart: found step " + std::to_string(update.ntimestep) + " with " +
+                             std::to_string((long long)(lammps_.atom->natoms)) + " particles in " + from_.path +
+                             ", wanted step " + std::to_string(point.step) + " with " +
+                             std::to_string(point.particles));
+  update.atime = point.time;
+  update.atimestep = update.ntimestep;
+  go_on_with_dumps(lammps_);
+  for (FixTwogrid* f : fluids(lammps_)) {
+    const std::string file = from_.path + "/" + f->id + ".h5";
+    int there = access(file.c_str(), F_OK) == 0;
+    MPI_Bcast(&there, 1, MPI_INT, 0, lammps_.world);
+    if (there) f->go_on_from(file);
+  }
+  if (point.run.empty()) return;
+  Command words = point.run;
+  long long end = point.end;
+  if (!changed.empty()) {
+    // The run may be made longer; what has been done of it stays.
+    words = interpreter_.words_of(changed);
+    const std::optional<RunRequest> now = words.empty() ? std::nullopt : run_request(words, point.begin, update.dt);
+    if (!now || now->end < point.step)
+      throw std::invalid_argument("-restart: found '" + changed + "' in the script, wanted '" + point.line +
+                                  "', in which the run stands at step " + std::to_string(point.step) +
+                                  ", or a run that ends later");
+    end = now->end;
+  }
+  std::optional<RunRequest> request = run_request(words, point.begin, update.dt);
+  if (!request) throw std::invalid_argument("-restart: a record of a checkpoint with a run that can't be understood");
+  request->end = end;
+  if (update.ntimestep >= end && point.step > point.begin) {
+    lammps_.init();  // fixes that a run makes take what the restart file holds for them; new ones don't
+    return;
+  }
+  let_runs_end(lammps_, early_end_);
+  run_parts(words, *request);
+}
+
+}  // namespace twogrid
