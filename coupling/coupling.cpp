@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "cfd/parallel/ranks.h"
 #include "cfd/parallel/reduction.h"
 #include "coupling/control/between_runs.h"
 #include "coupling/control/coupling_error.h"
@@ -40,9 +41,7 @@ constexpr double kFollow = 0.2;
 /// The particle grid, its nodes' volumes those that are open to the fluid.
 ParticleGrid nodes_of(MPI_Comm comm, const Fluid& fluid, const Int3& ratio) {
   ParticleGrid nodes(fluid.grid(), ratio);
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  nodes.take_open_part(fluid.open_shares(), fluid.grid(), node_layout(fluid.layout(), nodes).cells(rank));
+  nodes.take_open_part(fluid.open_shares(), fluid.grid(), node_layout(fluid.layout(), nodes).cells(rank_of(comm)));
   return nodes;
 }
 
@@ -431,6 +430,9 @@ void Coupling::set_gravity(const std::vector<Weight>& weights) {
 
 void Coupling::restored() {
   impl_->report_.take(impl_->state_, impl_->fluid_.time());
+}
+Report& Coupling::report_to_restore() {
+  return impl_->report_;
 }
 CouplingState& Coupling::state() {
   return impl_->state_;

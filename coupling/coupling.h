@@ -77,6 +77,8 @@ class Coupling {
   /// All that the next interval takes from those before, apart from the particles' columns and the fluid; of this rank,
   /// between couplings. May be replaced by a copy, which another coupling of the same settings can have made.
   CouplingState& state();
+  /// Figures of the last coupling, to be filled beside state().
+  Report& report_to_restore();
   /// state() holds what another coupling left between two runs: the report tells of it, and start() goes on from it.
   void restored();
   const Report& report() const;

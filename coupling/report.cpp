@@ -20,6 +20,7 @@ void Report::take(const CouplingState& state, double time) {
   fluid_steps = state.fluid_steps;
   solid_volume = state.known_volume;
   inserted_total = state.inserted, vanished_total = state.vanished, grown_total = state.all_grown;
+  volume_moved = state.deposit.volume_moved, volume_unplaced = state.deposit.volume_unplaced;
 }
 
 std::array<double, Report::kValues> Report::values(int every) const {

@@ -38,7 +38,7 @@ struct Report {
 
   /// What a coupling has left in the state. volume_vanished since the last one (m3).
   void take(const CouplingState& state, const Census& census, const Ledger::Balance& balance, double vanished);
-  /// What a restored state tells of the runs before.
+  /// What restored states tell of the runs before; the entries below come on top.
   void take(const CouplingState& state, double time);
   /// What the fluid says of an interval that ended at fluid_time.
   void take(const FluidReport& fluid, double time, long long steps);
@@ -46,6 +46,16 @@ struct Report {
   /// f_ID[1], f_ID[2], ...
   static constexpr int kValues = 16;
   std::array<double, kValues> values(int every) const;
+
+  /// Figures of the last coupling that no state holds and that are asked for until the next: f(name, entry). R: Report or
+  /// const Report.
+  template <class R, class F>
+  static void for_each_entry(R& r, F&& f) {
+    f("fluid_dt", r.fluid_dt), f("cfl", r.cfl), f("pressure_drop", r.pressure_drop);
+    f("divergence_error", r.divergence_error), f("solid_volume_error", r.solid_volume_error);
+    f("momentum_error", r.momentum_error), f("eps_min", r.eps_min), f("pressure_iterations", r.pressure_iterations);
+    f("step_error", r.step_error), f("coupling_error", r.coupling_error);
+  }
 };
 
 }  // namespace twogrid

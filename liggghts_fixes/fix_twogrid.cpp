@@ -27,7 +27,6 @@
 #include "liggghts_fixes/report/memory_need.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/run/petsc_session.h"
-#include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/run/signals.h"
 #include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/keywords.h"
@@ -45,18 +44,6 @@ static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kF
               "the state's first ten columns are the user's per-atom array");
 
 }  // namespace
-
-template <class F>
-auto FixTwogrid::guarded(F&& f) -> decltype(f()) {
-  try {
-    return f();
-  } catch (const EndedBySignal&) {
-    throw;
-  } catch (const std::exception& e) {
-    const std::string when = started_ ? " (step " + std::to_string(update->ntimestep) + ")" : "";
-    throw std::runtime_error("fix " + std::string(id) + " twogrid: " + e.what() + when);
-  }
-}
 
 FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg)
     : Fix(lammps, narg, arg), names_(*lammps, script_, id), watch_(*lammps, id) {
@@ -138,42 +125,6 @@ int FixTwogrid::modify_param(int narg, char** arg) {
   return narg;
 }
 
-void FixTwogrid::refuse_without_state() const {
-  if (!started_ || !coupling_->resting())
-    refuse("checkpoint write", "it before the first run with this fix", "it after a run: there is nothing to keep yet");
-  if (accuracy_.on())
-    refuse("checkpoint write", "accuracy on", "accuracy off: what it has learned is not part of a checkpoint yet");
-}
-
-void FixTwogrid::write_checkpoint(const std::string& path) {
-  guarded([&] {
-    refuse_without_state();
-    write_plain_checkpoint(path, checkpoint_parts(), update->ntimestep, particles_of_all_ranks(*lmp));
-  });
-}
-
-void FixTwogrid::go_on_from(const std::string& path) {
-  guarded([&] {
-    if (fluid_) refuse("checkpoint read", "it after the first run with this fix", "it before");
-    script_.checkpoint_read = path;
-  });
-}
-
-/// fix_modify checkpoint write.
-void FixTwogrid::keep_checkpoint() {
-  const std::string path = std::exchange(script_.checkpoint_write, "");
-  if (replaying()) return;
-  refuse_without_state();
-  twogrid::write_checkpoint(path, checkpoint_parts(), update->ntimestep, particles_of_all_ranks(*lmp));
-  watch_.say("twogrid: the fluid of step " + std::to_string(update->ntimestep) + " is in " + path + "\n");
-}
-
-void FixTwogrid::read_checkpoint() {
-  const std::string path = std::exchange(script_.checkpoint_read, "");
-  twogrid::read_checkpoint(path, checkpoint_parts(), update->ntimestep, particles_of_all_ranks(*lmp));
-  watch_.say("twogrid: the fluid goes on from " + path + ", t = " + text(fluid_->time()) + " s\n");
-}
-
 /// Later runs: what has come to be worth a warning since the scene report.
 void FixTwogrid::look_at_scene() {
   std::vector<std::string> now = motion_.warnings;
@@ -214,13 +165,18 @@ void FixTwogrid::build() {
   s.fluid.check_flow(grid);
   SceneFacts facts = scene_facts(*lmp, groupbit);
   facts.still = motion_.still;
-  if (best_skin_option()) chosen_skin_ = choose_skin(*lmp, facts);
-  if (script_.every_auto) s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
+  if (!script_.checkpoint_read.empty())
+    read_beginning(grid);
+  else if (best_skin_option())
+    chosen_skin_ = choose_skin(*lmp, facts);
+  if (script_.every_auto && script_.checkpoint_read.empty())
+    s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
   if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
   schedule_ = Schedule(s.accuracy > 0 && script_.every_auto);
   accuracy_ = Accuracy(s.accuracy, s.every, script_.every_auto, s.fluid.cfl, !s.cfl_given && s.fluid.dt == 0);
 
-  const Layout layout = fluid_layout(*lmp, grid, s.ratio);
+  const Layout layout =
+      restored_.known() ? Layout(grid, restored_.cuts, restored_.fluid_brick) : fluid_layout(*lmp, grid, s.ratio);
   for (int d = 0; d < 3; ++d) facts.fluid_bricks[d] = int(layout.cuts()[d].size()) - 1;
   fluid_ = std::make_unique<FluidSolver>(world, grid, layout, s.fluid);
   fluid_->watch_steps([this](int steps, double share) { watch_.look_within(steps, share, fluid_->time()); });
@@ -303,6 +259,7 @@ void FixTwogrid::refuse_without_set_up() const {
 void FixTwogrid::pre_initial_integrate() {
   guarded([&] {
     refuse_without_set_up();
+    if (random_) std::exchange(random_, nullptr)->restore(*lmp);
     if (!coupling_->resting()) return;
     Particles p = particles();
     coupling_->start(p, update->dt);

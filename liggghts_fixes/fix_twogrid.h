@@ -17,9 +17,11 @@
 #pragma once
 
 #include <fix.h>
+#include <update.h>
 
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -31,9 +33,11 @@
 #include "coupling/output/output.h"
 #include "liggghts_fixes/liggghts/balance.h"
 #include "liggghts_fixes/liggghts/motion.h"
+#include "liggghts_fixes/liggghts/random_state.h"
 #include "liggghts_fixes/liggghts/script_names.h"
 #include "liggghts_fixes/report/run_times.h"
 #include "liggghts_fixes/run/run_watch.h"
+#include "liggghts_fixes/run/signals.h"
 #include "liggghts_fixes/script/script_parser.h"
 
 namespace LAMMPS_NS {
@@ -56,7 +60,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void pre_delete(bool unfix) override;
   int modify_param(int narg, char** arg) override;
   void init() override;
-  void setup_pre_exchange() override { pre_exchange(); }
+  void setup_pre_exchange() override;
   void pre_exchange() override;
   void setup(int) override;
   void pre_initial_integrate() override;
@@ -91,7 +95,10 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void look_at_scene();
   void build();
   void open_output();
-  CheckpointParts checkpoint_parts() { return {world, script_.settings, *fluid_, *coupling_, schedule_.state()}; }
+  void read_beginning(const FineGrid& grid);
+  CheckpointParts checkpoint_parts();
+  Moment now() const;
+  Beginning beginning() const;
   void refuse_without_state() const;
   void keep_checkpoint();
   void read_checkpoint();
@@ -112,7 +119,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<Output> output_;  // null: none wanted
   Accuracy accuracy_;
-  std::unique_ptr<Balance> balance_;  // null: not wanted
+  RankParts restored_;                   // of a checkpoint of as many ranks, until particles are in their order
+  std::unique_ptr<RandomState> random_;  // of the same, until the first step
+  std::unique_ptr<Balance> balance_;     // null: not wanted
   bool balance_said_ = false;
 
   Schedule schedule_;
@@ -128,5 +137,17 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   RunWatch watch_;
   RunTimes times_;
 };
+
+template <class F>
+auto FixTwogrid::guarded(F&& f) -> decltype(f()) {
+  try {
+    return f();
+  } catch (const EndedBySignal&) {
+    throw;
+  } catch (const std::exception& e) {
+    const std::string when = started_ ? " (step " + std::to_string(update->ntimestep) + ")" : "";
+    throw std::runtime_error("fix " + std::string(id) + " twogrid: " + e.what() + when);
+  }
+}
 
 }  // namespace twogrid

@@ -6,11 +6,14 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
+#include <type_traits>
 
 #include "cfd/fluid_solver.h"
 #include "cfd/parallel/ranks.h"
+#include "coupling/checkpoint/checksum.h"
 #include "coupling/checkpoint/state_file.h"
 #include "coupling/control/schedule.h"
 #include "coupling/coupling.h"
@@ -21,49 +24,114 @@ namespace twogrid {
 namespace {
 
 constexpr char kKeyword[] = "checkpoint";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 
 ParticleGrid nodes_of(const CheckpointParts& c) {
   return ParticleGrid(c.fluid.grid(), c.settings.ratio);
 }
 
 /// What must be the same, in words.
-std::string scene(const CheckpointParts& c) {
+std::string scene(const Settings& settings, const FineGrid& grid) {
   std::ostringstream s;
   s.precision(17);
-  const FineGrid& grid = c.fluid.grid();
   s << "fine";
   for (int n : grid.n()) s << " " << n;
   s << ", ratio";
-  for (int r : c.settings.ratio) s << " " << r;
+  for (int r : settings.ratio) s << " " << r;
   s << ", domain";
   for (const Axis& a : grid.axis) s << " " << a.lo() << " " << a.lo() + a.length() << (a.periodic() ? " periodic" : "");
-  s << ", formulation " << (c.settings.formulation == Formulation::kA ? "A" : "B");
+  s << ", formulation " << (settings.formulation == Formulation::kA ? "A" : "B");
   // These decide which levels and fields there are.
-  s << ", convection " << (c.settings.fluid.convection == Convection::kCentral ? "central" : "not central");
-  s << ", interpolate " << (c.settings.interpolate == Interpolate::kSmooth ? "smooth" : "linear");
-  s << ", one-way " << (c.settings.one_way ? "yes" : "no");
-  s << ", density " << c.fluid.density();
-  for (const ModelField& f : c.fluid.model_fields()) s << ", " << f.name;
+  s << ", convection " << (settings.fluid.convection == Convection::kCentral ? "central" : "not central");
+  s << ", interpolate " << (settings.interpolate == Interpolate::kSmooth ? "smooth" : "linear");
+  s << ", one-way " << (settings.one_way ? "yes" : "no");
+  s << ", density " << settings.fluid.density;
   return s.str();
 }
 
+/// Fields of models, in words.
+std::string models(const CheckpointParts& c) {
+  std::string s;
+  for (const ModelField& f : c.fluid.model_fields()) s += (s.empty() ? "" : ", ") + f.name;
+  return s.empty() ? "none" : s;
+}
+
+/// The report comes after the states that it tells of.
 template <class F>
 void for_each_state(const CheckpointParts& c, F&& f) {
   f("/fluid", c.fluid.state_to_restore());
   f("/coupling", c.coupling.state());
   f("/schedule", c.schedule);
+  f("/report", c.coupling.report_to_restore());
+  for (const NumberList& list : c.numbers) f("/" + list.group, list);
 }
 
-double bytes_of(const CheckpointParts& c) {
+double bytes_of(const CheckpointParts& c, const Moment& now) {
   double values = 0;
-  for_each_state(c, [&](const char*, auto& state) {
-    std::decay_t<decltype(state)>::for_each_entry(state, [&](const char*, const auto& entry) {
+  for_each_state(c, [&](const std::string&, auto& state) {
+    std::decay_t<decltype(state)>::for_each_entry(state, [&](const std::string&, const auto& entry) {
       if constexpr (!std::is_arithmetic_v<std::decay_t<decltype(entry)>>) values += double(entry.size());
     });
   });
   MPI_Allreduce(MPI_IN_PLACE, &values, 1, MPI_DOUBLE, MPI_SUM, c.comm);
-  return 8 * values + 262144;
+  return 8 * values + 4 * double(now.particles) + 262144;
+}
+
+/// This rank's part of a list of all ranks' particles.
+Slab own_part(const std::vector<double>& particles, int rank) {
+  const auto up_to = [&](std::ptrdiff_t r) {
+    return std::size_t(std::accumulate(particles.begin(), particles.begin() + r, 0.0));
+  };
+  Slab s;
+  s.extent = {up_to(std::ptrdiff_t(particles.size()))}, s.offset = {up_to(rank)};
+  s.count = {std::size_t(particles[rank])};
+  return s;
+}
+
+const char* const kBorders[3] = {"/ranks/borders_x", "/ranks/borders_y", "/ranks/borders_z"};
+const char* const kCuts[3] = {"/ranks/cuts_x", "/ranks/cuts_y", "/ranks/cuts_z"};
+
+void write_ranks(MPI_Comm comm, const RankParts& parts, const Layout& layout, Hdf5File& file) {
+  const auto put = [&](const std::string& path, const std::vector<double>& all) {
+    file.replicated(path, all, {all.size()});
+  };
+  file.group("/ranks");
+  put("/ranks/bricks", {parts.bricks.begin(), parts.bricks.end()});
+  put("/ranks/equal", {double(parts.equal)});
+  std::vector<double> bricks, particles(ranks_of(comm));
+  for (int r = 0; r < layout.ranks(); ++r) bricks.insert(bricks.end(), layout.brick(r).begin(), layout.brick(r).end());
+  put("/ranks/fluid_brick", bricks);
+  for (int d = 0; d < 3; ++d) {
+    put(kBorders[d], parts.borders[d]);
+    put(kCuts[d], {layout.cuts()[d].begin(), layout.cuts()[d].end()});
+  }
+  const double own = double(parts.tags.size());
+  MPI_Allgather(&own, 1, MPI_DOUBLE, particles.data(), 1, MPI_DOUBLE, comm);
+  put("/ranks/particles", particles);
+  file.slab("/ranks/tags", own_part(particles, rank_of(comm)), parts.tags.data());
+}
+
+RankParts read_ranks(MPI_Comm comm, Hdf5File& file) {
+  const auto get = [&](const std::string& path) { return left_out(path) ? std::vector<double>{} : file.whole(path); };
+  const std::size_t ranks = ranks_of(comm);
+  const std::vector<double> particles = get("/ranks/particles"), bricks = get("/ranks/bricks"),
+                            of_rank = get("/ranks/fluid_brick"), equal = get("/ranks/equal");
+  RankParts parts;
+  if (particles.size() != ranks || bricks.size() != 3 || of_rank.size() != 3 * ranks || equal.size() != 1) return parts;
+  for (int d = 0; d < 3; ++d) {
+    const std::vector<double> cuts = get(kCuts[d]);
+    parts.cuts[d].assign(cuts.begin(), cuts.end());
+    parts.borders[d] = get(kBorders[d]);
+    parts.bricks[d] = int(bricks[d]);
+  }
+  parts.equal = equal[0] != 0;
+  for (std::size_t r = 0; r < ranks; ++r)
+    parts.fluid_brick.push_back({int(of_rank[3 * r]), int(of_rank[3 * r + 1]), int(of_rank[3 * r + 2])});
+  if (left_out("/ranks/tags")) return parts;
+  const Slab part = own_part(particles, rank_of(comm));
+  parts.tags.resize(part.count[0]);
+  file.read("/ranks/tags", part, parts.tags.data());
+  return parts;
 }
 
 /// On the disk, under its name. Empty: done; else why not.
@@ -80,72 +148,105 @@ std::string put_in_place(const std::string& from, const std::string& to) {
   return "";
 }
 
-}  // namespace
-
-void write_plain_checkpoint(const std::string& path, const CheckpointParts& c, long long step, long long particles) {
-  const Layout nodes = node_layout(c.fluid.layout(), nodes_of(c));
-  Hdf5File file(c.comm, path, Hdf5File::Mode::kCreate, bytes_of(c), kKeyword);
-  file.group("/record");
-  file.attribute("/record", "version", std::vector<int>{kVersion});
-  file.attribute("/record", "scene", scene(c));
-  file.replicated("/record/step", {double(step)}, {1});
-  file.replicated("/record/particles", {double(particles)}, {1});
-  file.replicated("/record/every", {double(c.settings.every)}, {1});
-  StateFile states(c.comm, c.fluid.layout(), nodes, file);
-  for_each_state(c, [&](const char* group, const auto& state) { states.write(group, state); });
-  file.close();
+/// What rank 0 has to say, a part of a sentence or nothing, is known to all.
+std::string from_rank_0(MPI_Comm comm, const std::string& text) {
+  char shared[512] = {};
+  std::snprintf(shared, sizeof shared, "%s", text.c_str());
+  MPI_Bcast(shared, sizeof shared, MPI_CHAR, 0, comm);
+  return shared;
 }
 
-void write_checkpoint(const std::string& path, const CheckpointParts& c, long long step, long long particles) {
+[[noreturn]] void refuse_file(const std::string& path, const std::string& found, const std::string& wanted) {
+  throw std::invalid_argument("checkpoint read: found " + path + found + ", wanted " + wanted);
+}
+
+}  // namespace
+
+void write_plain_checkpoint(const std::string& path, const CheckpointParts& c, const Moment& now,
+                            const Beginning& beginning) {
+  const Layout nodes = node_layout(c.fluid.layout(), nodes_of(c));
+  Hdf5File file(c.comm, path, Hdf5File::Mode::kCreate, bytes_of(c, now), kKeyword);
+  file.group("/record");
+  file.attribute("/record", "version", std::vector<int>{kVersion});
+  file.attribute("/record", "scene", scene(c.settings, c.fluid.grid()));
+  file.attribute("/record", "models", models(c));
+  file.replicated("/record/step", {double(now.step)}, {1});
+  file.replicated("/record/particles", {double(now.particles)}, {1});
+  file.replicated("/record/every", {double(beginning.every)}, {1});
+  file.replicated("/record/skin", {beginning.skin}, {1});
+  write_ranks(c.comm, beginning.ranks, c.fluid.layout(), file);
+  StateFile states(c.comm, c.fluid.layout(), nodes, file);
+  for_each_state(c, [&](const std::string& group, const auto& state) { states.write(group, state); });
+  file.close();
+  const std::string why = from_rank_0(c.comm, rank_of(c.comm) == 0 ? seal_file(path) : "");
+  if (!why.empty())
+    throw std::runtime_error("the checkpoint '" + path + "' could not be written (" + why +
+                             "); see whether its disk is full, or give another path (fix_modify ID checkpoint)");
+}
+
+void write_checkpoint(const std::string& path, const CheckpointParts& c, const Moment& now,
+                      const Beginning& beginning) {
   const std::string part = path + ".part";
   try {
-    write_plain_checkpoint(part, c, step, particles);
+    write_plain_checkpoint(part, c, now, beginning);
   } catch (...) {
     if (rank_of(c.comm) == 0) std::remove(part.c_str());
     throw;
   }
-  char why[256] = {};
-  if (rank_of(c.comm) == 0) std::snprintf(why, sizeof why, "%s", put_in_place(part, path).c_str());
-  MPI_Bcast(why, sizeof why, MPI_CHAR, 0, c.comm);
-  if (why[0])
+  const std::string why = from_rank_0(c.comm, rank_of(c.comm) == 0 ? put_in_place(part, path) : "");
+  if (!why.empty())
     throw std::runtime_error("the checkpoint '" + path + "' could not be put in place (" + why +
                              "); give another path (fix_modify ID checkpoint write)");
 }
 
-void read_checkpoint(const std::string& path, const CheckpointParts& c, long long step, long long particles) {
+Beginning read_beginning(MPI_Comm comm, const std::string& path, const Settings& settings, const FineGrid& grid,
+                         const Moment& now) {
+  // HDF5 is not shown a file that may be damaged.
+  const std::string broken = from_rank_0(comm, rank_of(comm) == 0 ? broken_seal(path) : "");
+  if (!broken.empty())
+    refuse_file(path, ": " + broken,
+                "a checkpoint of fix twogrid, as it was written: give another one, or an older one");
+  Hdf5File file(comm, path, Hdf5File::Mode::kRead, 0, kKeyword);
+  const auto number = [&](const std::string& name, double otherwise) {
+    const std::string place = "/record/" + name;
+    const std::vector<double> all = left_out(place) ? std::vector<double>{} : file.whole(place);
+    return all.size() == 1 ? all[0] : otherwise;
+  };
+  if (file.whole_attribute("/record", "version") != std::vector<int>{kVersion})
+    refuse_file(path, " of another version of twogrid", "one of this version");
+  const std::string there = file.text_attribute("/record", "scene"), here = scene(settings, grid);
+  if (there != here) refuse_file(path, " of another scene (" + there + ")", "one of this scene (" + here + ")");
+  const auto moment = [](const Moment& m) {
+    return "step " + std::to_string(m.step) + " with " + std::to_string(m.particles) + " particles";
+  };
+  const Moment then{(long long)number("step", -1), (long long)number("particles", -1)};
+  if (then.step != now.step || then.particles != now.particles)
+    refuse_file(path, " of " + moment(then),
+                "one of " + moment(now) +
+                    ", those of the restart file that was read: write_restart and 'checkpoint write' belong "
+                    "together, with no run between them");
+  Beginning beginning;
+  beginning.every = int(number("every", settings.every));
+  beginning.skin = number("skin", 0);
+  beginning.ranks = read_ranks(comm, file);
+  file.close();
+  return beginning;
+}
+
+void read_checkpoint(const std::string& path, const CheckpointParts& c) {
   const Layout nodes = node_layout(c.fluid.layout(), nodes_of(c));
   Hdf5File file(c.comm, path, Hdf5File::Mode::kRead, 0, kKeyword);
-  const bool ours = file.has("/record") && file.has("/record/step") && file.has("/record/particles");
-  if (!ours)
-    throw std::invalid_argument("checkpoint read: found " + path +
-                                ", an HDF5 file that is no checkpoint; wanted one "
-                                "that 'fix_modify ID checkpoint write' has written");
-  const std::vector<int> version = file.whole_attribute("/record", "version");
-  const std::string there = file.text_attribute("/record", "scene");
-  Slab one;
-  one.extent = one.count = {1}, one.offset = {0};
-  double there_step = -1, there_particles = -1, every = c.settings.every;
-  file.read("/record/step", one, &there_step);
-  file.read("/record/particles", one, &there_particles);
-  file.read("/record/every", one, &every);
-  const auto refuse = [&](const std::string& found, const std::string& wanted) {
-    throw std::invalid_argument("checkpoint read: found " + path + " of " + found + ", wanted " + wanted);
-  };
-  if (version != std::vector<int>{kVersion}) refuse("another version of twogrid", "one of this version");
-  if (there != scene(c)) refuse("another scene (" + there + ")", "one of this scene (" + scene(c) + ")");
-  const std::string now = "step " + std::to_string(step) + " with " + std::to_string(particles) + " particles";
-  if (there_step != double(step) || there_particles != double(particles))
-    refuse("step " + std::to_string((long long)there_step) + " with " + std::to_string((long long)there_particles) +
-               " particles",
-           "one of " + now +
-               ", those of the restart file that was read: write_restart and 'checkpoint write' belong "
-               "together, with no run between them");
-  c.settings.every = int(every);
+  const std::string there = file.text_attribute("/record", "models"), here = models(c);
+  if (there != here) refuse_file(path, " with fields of models (" + there + ")", "those of this scene (" + here + ")");
   StateFile states(c.comm, c.fluid.layout(), nodes, file);
-  for_each_state(c, [&](const char* group, auto& state) { states.read(group, state); });
+  for_each_state(c, [&](const std::string& group, auto& state) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(state)>, Report>) {
+      c.fluid.restored();
+      c.coupling.restored();
+    }
+    states.read(group, state);
+  });
   file.close();
-  c.fluid.restored();
-  c.coupling.restored();
 }
 
 }  // namespace twogrid

@@ -2,16 +2,22 @@
 // LIGGGHTS' to keep (write_restart). Written between two runs, into one HDF5 file:
 //
 //   /fluid, /coupling, /schedule   the entries of FluidState, CouplingState, ScheduleState (state_file.h)
+//   /report and others             entries of Report, and of what the caller lists
 //   /record                        step, particles, and what of the settings must be the same: version of this format,
-//                                  grids, formulation, models' fields
+//                                  grids, formulation, models' fields; `every` and the skin, which may have been chosen
+//   /ranks                         RankParts
 //
-// It is written beside the file of that name, synced, and renamed: a file of that name is whole, or it is the one before.
+// It ends with a line that holds a checksum of all before it (checksum.h): of a damaged file nothing is believed.
 #pragma once
 
 #include <mpi.h>
 
 #include <string>
+#include <vector>
 
+#include "cfd/grid/grid.h"
+#include "coupling/checkpoint/rank_parts.h"
+#include "coupling/checkpoint/state_file.h"
 #include "coupling/settings.h"
 
 namespace twogrid {
@@ -23,20 +29,40 @@ struct ScheduleState;
 /// What is saved and filled.
 struct CheckpointParts {
   MPI_Comm comm;
-  Settings& settings;  ///< `every` is part of it
+  const Settings& settings;
   FluidSolver& fluid;
   Coupling& coupling;
   ScheduleState& schedule;
+  std::vector<NumberList> numbers;
 };
 
-/// Between runs. step, particles: of now, all ranks. Throws std::runtime_error with a sentence on all ranks; a file of
-/// that name is then as it was. Collective.
-void write_checkpoint(const std::string& path, const CheckpointParts& parts, long long step, long long particles);
-/// The same, straight into the file of that name, neither synced nor renamed.
-void write_plain_checkpoint(const std::string& path, const CheckpointParts& parts, long long step, long long particles);
-/// In place of the first run's beginning: the parts are as they were when it was written. Throws std::runtime_error or
-/// std::invalid_argument with a sentence on all ranks where it can't be read, or belongs to another scene, step or set of
-/// particles. Collective.
-void read_checkpoint(const std::string& path, const CheckpointParts& parts, long long step, long long particles);
+/// The step that a checkpoint is of, and the particles of all ranks then.
+struct Moment {
+  long long step = 0, particles = 0;
+};
+
+/// What must be known before fluid and coupling are made.
+struct Beginning {
+  int every = 0;
+  double skin = 0;  ///< of the neighbour lists, where it was chosen (m); 0: the script's
+  RankParts ranks;  ///< of as many ranks as there are now; else not known. Cuts and fluid_brick: written from the fluid
+};
+
+/// Between runs, straight into the file of that name. Throws std::runtime_error with a sentence on all ranks.
+/// Collective.
+void write_plain_checkpoint(const std::string& path, const CheckpointParts& parts, const Moment& now,
+                            const Beginning& beginning);
+/// The same beside the file of that name, which is then synced and renamed: a file of that name is whole, or it is the
+/// one before.
+void write_checkpoint(const std::string& path, const CheckpointParts& parts, const Moment& now,
+                      const Beginning& beginning);
+
+/// Throws std::runtime_error or std::invalid_argument with a sentence on all ranks where a checkpoint can't be read, is
+/// damaged, or belongs to another scene, step or set of particles. Collective.
+Beginning read_beginning(MPI_Comm comm, const std::string& path, const Settings& settings, const FineGrid& grid,
+                         const Moment& now);
+/// In place of the first run's beginning, after read_beginning(): the parts are as they were when it was written.
+/// Collective. Throws likewise.
+void read_checkpoint(const std::string& path, const CheckpointParts& parts);
 
 }  // namespace twogrid

@@ -110,12 +110,12 @@ std::string broken_seal(const std::string& path) {
   const bool sealed = size >= long(kSealLength) && std::fseek(f.get(), size - long(kSealLength), SEEK_SET) == 0 &&
                       std::fread(line, 1, kSealLength, f.get()) == kSealLength &&
                       std::strncmp(line, kSeal, sizeof kSeal - 1) == 0 && line[kSealLength - 1] == '\n';
-  if (!sealed) return "it is not complete: the checksum at its end is missing";
+  if (!sealed) return "it is no checkpoint, or only a part of one (the checksum at its end is missing)";
   std::rewind(f.get());
   Checksum sum;
   if (const std::string why = sum_of(f.get(), std::uint64_t(size) - kSealLength, sum); !why.empty()) return why;
   if (std::string(line + sizeof kSeal - 1, 16) == sum.text()) return "";
-  return "it is damaged: its checksum is another than when it was written";
+  return "it is damaged (its checksum is another than when it was written)";
 }
 
 }  // namespace twogrid

@@ -2,12 +2,17 @@
 // file doesn't know the ranks that wrote it: an array is that of the whole grid, with what lies beyond the sides that are
 // not periodic, and every rank reads its part and its halo from it. A number has a value a rank; other ranks than those
 // that wrote share what differed between them as a sum, on rank 0.
+//
+// For tests: with TWOGRID_CHECKPOINT_LEAVE_OUT=group/entry in the environment reading passes that entry over, which keeps
+// what a new process has. A test can so show that it is needed.
 #pragma once
 
 #include <mpi.h>
 
 #include <string>
 #include <type_traits>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "cfd/grid/field.h"
@@ -16,6 +21,30 @@
 #include "coupling/two_grid/particle_grid.h"
 
 namespace twogrid {
+
+/// Whether a test wants this path ("/group/entry") to be passed over.
+bool left_out(const std::string& path);
+
+/// Numbers that someone else keeps, as a state: what checkpoint.h need not know by type.
+struct NumberList {
+  using Number = std::variant<double*, long long*, int*, bool*>;
+  std::string group;
+  std::vector<std::pair<std::string, Number>> numbers;
+  bool of_script = false;  ///< of what the script has, which may have more than the one that wrote
+
+  template <class S, class F>
+  static void for_each_entry(S& s, F&& f) {
+    for (auto& entry : s.numbers) std::visit([&](auto* value) { f(entry.first, *value); }, entry.second);
+  }
+};
+
+/// The entries of a state of numbers, which must outlive the list.
+template <class State>
+NumberList numbers_of(const std::string& group, State& state) {
+  NumberList list{group, {}};
+  State::for_each_entry(state, [&](const std::string& name, auto& number) { list.numbers.push_back({name, &number}); });
+  return list;
+}
 
 class StateFile {
  public:
@@ -41,6 +70,9 @@ class StateFile {
     State::for_each_entry(state, [&](const std::string& name, auto& entry) {
       using T = std::decay_t<decltype(entry)>;
       const std::string path = group + "/" + name;
+      if (left_out(path)) return;
+      if constexpr (std::is_same_v<std::decay_t<State>, NumberList>)
+        if (state.of_script && !file_.has(path)) return;
       if constexpr (std::is_arithmetic_v<T>)
         entry = T(read_number(path));
       else

@@ -11,6 +11,8 @@
 // again.
 #pragma once
 
+#include <string>
+
 namespace twogrid {
 
 /// One step length and the error that goes with it.
@@ -31,6 +33,16 @@ class StepControl {
   double mean_error() const { return count_ ? sum_ / double(count_) : 0; }  ///< of all checks
   double shortest() const { return shortest_; }
   double longest() const { return longest_; }
+
+  /// All that it has learned: f(name, entry), names after `begin`. S: StepControl or const StepControl.
+  template <class S, class F>
+  static void for_each_entry(S& s, const std::string& begin, F&& f) {
+    f(begin + "step", s.step_), f(begin + "most", s.most_), f(begin + "here", s.here_);
+    f(begin + "sum_here", s.sum_here_), f(begin + "longer_step", s.longer_step_);
+    f(begin + "error_of_longer", s.error_of_longer_), f(begin + "rounds_of_noise", s.rounds_of_noise_);
+    f(begin + "count", s.count_), f(begin + "sum", s.sum_), f(begin + "shortest", s.shortest_);
+    f(begin + "longest", s.longest_);
+  }
 
  private:
   void decide(double error);
@@ -75,6 +87,13 @@ class Accuracy {
 
   /// Continuity error of the pressure solver (relative to U/h) that goes with a wanted accuracy.
   static double tolerance(double wanted);
+
+  /// All that the checks so far leave to the next ones: f(name, entry). S: Accuracy or const Accuracy.
+  template <class S, class F>
+  static void for_each_entry(S& s, F&& f) {
+    StepControl::for_each_entry(s.fluid_, "fluid_", f), StepControl::for_each_entry(s.coupling_, "coupling_", f);
+    f("couplings", s.couplings_), f("next_check", s.next_check_), f("checks", s.checks_);
+  }
 
  private:
   double wanted_ = 0;

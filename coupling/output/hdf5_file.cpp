@@ -307,6 +307,23 @@ std::vector<int> Hdf5File::whole_attribute(const std::string& object, const std:
 }
 
 void Hdf5File::read(const std::string& path, const Slab& s, double* value) {
+  read(path, s, H5T_NATIVE_DOUBLE, value);
+}
+
+void Hdf5File::read(const std::string& path, const Slab& s, int* value) {
+  read(path, s, H5T_NATIVE_INT, value);
+}
+
+std::vector<double> Hdf5File::whole(const std::string& path) {
+  Slab s;
+  s.extent = s.count = has(path) ? extent(path) : std::vector<std::size_t>{0};
+  s.offset.assign(s.extent.size(), 0);
+  std::vector<double> all(s.extent.empty() ? 0 : product(s.extent));
+  if (!all.empty()) read(path, s, all.data());
+  return all;
+}
+
+void Hdf5File::read(const std::string& path, const Slab& s, long type, void* value) {
   if (product(s.count) == 0) return;
   Quiet quiet;
   if (extent(path) != s.extent) return failed(path + " is not there, or of another size");
@@ -318,7 +335,7 @@ void Hdf5File::read(const std::string& path, const Slab& s, double* value) {
     return H5Sselect_hyperslab(space, H5S_SELECT_SET, dims(offset).data(), nullptr, dims(s.count).data(), nullptr) >= 0;
   };
   if (!part(file_space, s.offset) || !part(memory_space, s.memory_offset.empty() ? packed : s.memory_offset) ||
-      H5Dread(set, H5T_NATIVE_DOUBLE, memory_space, file_space, H5P_DEFAULT, value) < 0)
+      H5Dread(set, type, memory_space, file_space, H5P_DEFAULT, value) < 0)
     failed("reading " + path);
 }
 

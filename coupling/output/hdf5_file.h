@@ -60,12 +60,16 @@ class Hdf5File {
   std::vector<int> whole_attribute(const std::string& object, const std::string& name);
   /// This rank's part. Local: ranks may read other parts, or none.
   void read(const std::string& path, const Slab& slab, double* value);
+  void read(const std::string& path, const Slab& slab, int* value);
+  /// All of it, as one list; empty where it isn't there. Local.
+  std::vector<double> whole(const std::string& path);
 
   /// Flushes and closes. Throws std::runtime_error with a sentence on all ranks if anything failed on any of them.
   void close();
 
  private:
   void write(const std::string& path, const Slab& slab, long type, const void* value, const std::string& unit);
+  void read(const std::string& path, const Slab& slab, long type, void* value);
   void failed(const std::string& what);
   /// Rank 0 found what is wrong (empty: nothing): throws it on all ranks.
   void agree(std::string sentence) const;

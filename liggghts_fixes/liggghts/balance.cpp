@@ -60,7 +60,7 @@ double Balance::find_fullest() const {
 }
 
 bool Balance::move_borders() {
-  const long step = long(lammps_.update->ntimestep);
+  const long long step = (long long)(lammps_.update->ntimestep);
   if (lammps_.comm->nprocs == 1 || (!moving_ && step < next_) || !can_be_moved()) return false;
   next_ = (step / kEvery + 1) * kEvery;
   fullest_ = find_fullest();

@@ -26,13 +26,19 @@ class Balance {
   /// Of the fullest rank, particles over the mean, as it was found last; 1 before.
   double fullest() const { return fullest_; }
 
+  /// What one look leaves to the next, apart from the borders: f(name, entry). S: Balance or const Balance.
+  template <class S, class F>
+  static void for_each_entry(S& s, F&& f) {
+    f("moving", s.moving_), f("next", s.next_);
+  }
+
  private:
   bool can_be_moved() const;
   double find_fullest() const;
 
   LAMMPS_NS::LAMMPS& lammps_;
   bool moving_ = false;  // not all the way yet
-  long next_ = 0;        // step from which on to look again
+  long long next_ = 0;   // step from which on to look again
   double fullest_ = 1;
 };
 

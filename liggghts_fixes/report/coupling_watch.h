@@ -22,6 +22,13 @@ class CouplingWatch {
   /// After a coupling over `steps` DEM steps of dem_dt seconds; steps 0: the first deposit. Usually no sentence.
   std::vector<std::string> look(const Report& report, int steps, double dem_dt);
 
+  /// What has been told: f(name, entry). S: CouplingWatch or const CouplingWatch.
+  template <class S, class F>
+  static void for_each_entry(S& s, F&& f) {
+    f("travel", s.travel_.at), f("moved", s.moved_.at), f("unplaced", s.unplaced_.at), f("volume", s.volume_.at);
+    f("momentum", s.momentum_.at);
+  }
+
  private:
   /// Whether a figure is over its limit, and twice what was last told.
   struct Told {
