@@ -86,7 +86,8 @@ TEST(Keywords, EachRowPrintsWhatTheScriptGave) {
                                                                {"implicit", "on"},
                                                                {"gap friction", "on"},
                                                                {"output", "every 20 file a.h5 particles yes"},
-                                                               {"checkpoint", "read a.h5"}};
+                                                               {"checkpoint", "read a.h5"},
+                                                               {"most_lost", "7"}};
   for (const auto& [keyword, value] : given) {
     Script script = fix();
     const auto before = texts(script);
