@@ -23,6 +23,8 @@ struct OutputSettings {
   std::vector<std::string> fields;  ///< u p eps ...
   bool particles = true;
   double average_from = -1;  ///< s; negative: no averages
+  bool overwrite = false;    ///< a file that is there is replaced
+  bool many_legs = false;    ///< a new file each time the run goes on from a checkpoint
 };
 
 struct Settings {

@@ -19,7 +19,6 @@
 #include "liggghts_fixes/contacts/pair_switch.h"
 #include "liggghts_fixes/liggghts/box.h"
 #include "liggghts_fixes/liggghts/particle_columns.h"
-#include "liggghts_fixes/liggghts/positions.h"
 #include "liggghts_fixes/liggghts/restart_file.h"
 #include "liggghts_fixes/liggghts/run_record.h"
 #include "liggghts_fixes/liggghts/scene_facts.h"
@@ -37,6 +36,14 @@
 namespace twogrid {
 
 using namespace LAMMPS_NS;
+
+namespace {
+
+constexpr int kUserColumns = 10;
+static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
+              "the state's first ten columns are the user's per-atom array");
+
+}  // namespace
 
 FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg)
     : Fix(lammps, narg, arg), names_(*lammps, script_, id), watch_(*lammps, id) {
@@ -176,7 +183,7 @@ void FixTwogrid::build() {
   const ParticleRegion region = particle_region(*lmp);
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, region.lo, region.hi, region.reach);
   install_models({script_, *fluid_, *coupling_, [this](const std::string& n) { return particle_property(*lmp, n); }});
-  watch_.look_at(CouplingWatch(s));
+  watch_.look_at(CouplingWatch(s.bound, s.eps_min));
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();
   watch_.say(scene_report(script_, grid, facts));
@@ -211,7 +218,6 @@ Particles FixTwogrid::particles() {
 }
 
 void FixTwogrid::pre_exchange() {
-  guarded([&] { check_positions(*lmp); });
   if (!balance_ || !balance_->move_borders()) return;
   guarded([&] {
     const ParticleRegion region = particle_region(*lmp);
@@ -236,9 +242,12 @@ void FixTwogrid::setup(int) {
     watch_.look(coupling_->report(), schedule_.steps());
     watch_.warn_of_unused_options("-fluid_", "-fluid_momentum_");  // asked for when viscosity is first implicit
 
+    if (output_)
+      for (const std::string& sentence : output_->begin(update->ntimestep, update->ntimestep - frame_due()))
+        watch_.say("twogrid: " + sentence + "\n");
     if (frame_due()) write_frame(p);
     schedule_.begin_run();
-    watch_.begin_run(update->laststep - update->firststep, schedule_);
+    watch_.begin_run(update->laststep - update->firststep);
     times_.begin(update->ntimestep, coupling_->shares());
   });
 }
@@ -272,7 +281,7 @@ void FixTwogrid::pre_force(int) {
 }
 
 void FixTwogrid::couple() {
-  watch_.look(schedule_, script_.most_lost);
+  watch_.look(schedule_);
   Particles p = particles();
   const bool check = accuracy_.due();
   watch_.begin_coupling();
@@ -328,7 +337,7 @@ void FixTwogrid::end_coupling() {
       }
       if (frame_due()) write_frame(p);
     }
-    watch_.tell_progress(times_.done(update->ntimestep), coupling_->report(), schedule_);
+    watch_.tell_progress(times_.done(update->ntimestep), coupling_->report().fluid_time);
   });
 }
 

@@ -25,7 +25,7 @@ CheckpointParts FixTwogrid::checkpoint_parts() {
   if (accuracy_.on()) numbers.push_back(numbers_of("accuracy", accuracy_));
   if (random_) numbers.push_back(numbers_of("random", *random_)), numbers.back().of_script = true;
   if (balance_) numbers.push_back(numbers_of("balance", *balance_));
-  return {world, script_.settings, *fluid_, *coupling_, schedule_.state(), std::move(numbers)};
+  return {world, script_.settings, *fluid_, *coupling_, schedule_.state(), output_.get(), std::move(numbers)};
 }
 
 Moment FixTwogrid::now() const {

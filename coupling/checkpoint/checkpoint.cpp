@@ -18,12 +18,14 @@
 #include "coupling/control/schedule.h"
 #include "coupling/coupling.h"
 #include "coupling/coupling_state.h"
+#include "coupling/output/averages.h"
+#include "coupling/output/output.h"
 
 namespace twogrid {
 
 namespace {
 
-constexpr char kKeyword[] = "checkpoint";
+constexpr char kKeyword[] = "checkpoint", kOutput[] = "/output", kAverages[] = "/averages";
 constexpr int kVersion = 2;
 
 ParticleGrid nodes_of(const CheckpointParts& c) {
@@ -62,6 +64,8 @@ void for_each_state(const CheckpointParts& c, F&& f) {
   f("/fluid", c.fluid.state_to_restore());
   f("/coupling", c.coupling.state());
   f("/schedule", c.schedule);
+  if (c.output) f(kOutput, c.output->state());
+  if (c.output && c.output->averages()) f(kAverages, c.output->averages()->state());
   f("/report", c.coupling.report_to_restore());
   for (const NumberList& list : c.numbers) f("/" + list.group, list);
 }
@@ -164,6 +168,7 @@ std::string from_rank_0(MPI_Comm comm, const std::string& text) {
 
 void write_plain_checkpoint(const std::string& path, const CheckpointParts& c, const Moment& now,
                             const Beginning& beginning) {
+  if (c.output && c.output->averages()) c.output->averages()->gather();
   const Layout nodes = node_layout(c.fluid.layout(), nodes_of(c));
   Hdf5File file(c.comm, path, Hdf5File::Mode::kCreate, bytes_of(c, now), kKeyword);
   file.group("/record");
@@ -244,6 +249,8 @@ void read_checkpoint(const std::string& path, const CheckpointParts& c) {
       c.fluid.restored();
       c.coupling.restored();
     }
+    // Another script may want output, or means, that the first had none of: they begin.
+    if ((group == kOutput || group == kAverages) && !file.has(group)) return;
     states.read(group, state);
   });
   file.close();

@@ -2,6 +2,7 @@
 // LIGGGHTS' to keep (write_restart). Written between two runs, into one HDF5 file:
 //
 //   /fluid, /coupling, /schedule   the entries of FluidState, CouplingState, ScheduleState (state_file.h)
+//   /output, /averages             those of OutputState and AveragesState, where there is output
 //   /report and others             entries of Report, and of what the caller lists
 //   /record                        step, particles, and what of the settings must be the same: version of this format,
 //                                  grids, formulation, models' fields; `every` and the skin, which may have been chosen
@@ -24,6 +25,7 @@ namespace twogrid {
 
 class Coupling;
 class FluidSolver;
+class Output;
 struct ScheduleState;
 
 /// What is saved and filled.
@@ -33,6 +35,7 @@ struct CheckpointParts {
   FluidSolver& fluid;
   Coupling& coupling;
   ScheduleState& schedule;
+  Output* output;  ///< null: none
   std::vector<NumberList> numbers;
 };
 

@@ -32,6 +32,17 @@ bool left_out(const std::string& path) {
 StateFile::StateFile(MPI_Comm comm, const Layout& cells, const Layout& nodes, Hdf5File& file)
     : comm_(comm), rank_(rank_of(comm)), ranks_(ranks_of(comm)), cells_(cells), nodes_(nodes), file_(file) {}
 
+Slab StateFile::table_slab(const Box& own, int columns, const Layout& layout) const {
+  Slab s;
+  for (int d = 2; d >= 0; --d) {
+    s.extent.push_back(std::size_t(layout.extent()[d]));
+    s.offset.push_back(own.empty() ? 0 : own.lo[d]);
+    s.count.push_back(own.empty() ? 0 : own.size(d));
+  }
+  s.extent.push_back(std::size_t(columns)), s.offset.push_back(0), s.count.push_back(std::size_t(columns));
+  return s;
+}
+
 void StateFile::write_number(const std::string& path, double value) {
   Slab s;
   s.extent = {std::size_t(ranks_)}, s.offset = {std::size_t(rank_)}, s.count = {1};

@@ -1,6 +1,7 @@
 // A state's entries (for_each_entry() of FluidState, CouplingState, ScheduleState) in an HDF5 file, each by its name. The
 // file doesn't know the ranks that wrote it: an array is that of the whole grid, with what lies beyond the sides that are
-// not periodic, and every rank reads its part and its halo from it. A number has a value a rank; other ranks than those
+// not periodic, and every rank reads its part and its halo from it; a table (CellTable) is that of
+// all own cells. A number has a value a rank; other ranks than those
 // that wrote share what differed between them as a sum, on rank 0.
 //
 // For tests: with TWOGRID_CHECKPOINT_LEAVE_OUT=group/entry in the environment reading passes that entry over, which keeps
@@ -15,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "cfd/grid/cell_table.h"
 #include "cfd/grid/field.h"
 #include "cfd/grid/layout.h"
 #include "coupling/output/hdf5_file.h"
@@ -61,7 +63,7 @@ class StateFile {
       if constexpr (std::is_arithmetic_v<T>)
         write_number(path, double(entry));
       else
-        write_array(path, entry, layout_of(entry));
+        write_entry(path, entry, layout_of(entry));
     });
   }
   /// Arrays that the file lacks become empty. Collective; what is missing is told by the file's close().
@@ -76,7 +78,7 @@ class StateFile {
       if constexpr (std::is_arithmetic_v<T>)
         entry = T(read_number(path));
       else
-        read_array(path, entry, layout_of(entry));
+        read_entry(path, entry, layout_of(entry));
     });
   }
 
@@ -84,6 +86,19 @@ class StateFile {
   const Layout& layout_of(const CellField<ParticleGrid>&) const { return nodes_; }
   const Layout& layout_of(const CellField<FineGrid>&) const { return cells_; }
   const Layout& layout_of(const FaceComponent<FineGrid>&) const { return cells_; }
+  const Layout& layout_of(const CellTable<ParticleGrid>&) const { return nodes_; }
+  const Layout& layout_of(const CellTable<FineGrid>&) const { return cells_; }
+  void write_entry(const std::string& path, const Array3<double>& a, const Layout& l) { write_array(path, a, l); }
+  void read_entry(const std::string& path, Array3<double>& a, const Layout& l) { read_array(path, a, l); }
+  template <class G>
+  void write_entry(const std::string& path, const CellTable<G>& t, const Layout& l) {
+    file_.slab(path, table_slab(t.own(), t.columns(), l), t.data());
+  }
+  template <class G>
+  void read_entry(const std::string& path, CellTable<G>& t, const Layout& l) {
+    file_.read(path, table_slab(t.own(), t.columns(), l), t.data());
+  }
+  Slab table_slab(const Box& own, int columns, const Layout& layout) const;
   void write_number(const std::string& path, double value);
   double read_number(const std::string& path);
   void write_array(const std::string& path, const Array3<double>& a, const Layout& layout);

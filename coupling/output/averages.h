@@ -17,30 +17,63 @@
 #include <vector>
 
 #include "cfd/fluid/fluid.h"
+#include "cfd/grid/cell_table.h"
 #include "coupling/particles/particles.h"
 #include "coupling/two_grid/particle_grid.h"
 
 namespace twogrid {
 
-class Hdf5File;
+class GrowingFile;
+
+/// The sums so far, by own cells. A copy is a checkpoint; for_each_entry() walks it by name, as CouplingState's does.
+struct AveragesState {
+  static constexpr int kBatches = 16;
+
+  double weight = 0;  // s
+  long long samples = 0;
+  std::array<double, kBatches> batch_weight{};
+  int batch = 0;                // the one being filled
+  long long batch_length = 1;   // samples
+  long long batch_samples = 0;  // in the one being filled
+  CellTable<FineGrid> fine;
+  CellTable<ParticleGrid> gas, solids;
+  std::array<CellTable<ParticleGrid>, kBatches> gas_batch, solids_batch;
+
+  template <class S, class F>
+  static void for_each_entry(S& s, F&& f) {
+    f("weight", s.weight), f("samples", s.samples), f("batch", s.batch), f("batch_length", s.batch_length);
+    f("batch_samples", s.batch_samples), f("fine", s.fine), f("gas", s.gas), f("solids", s.solids);
+    for (int b = 0; b < kBatches; ++b) {
+      const std::string n = std::to_string(b);
+      f(("batch_weight_" + n).c_str(), s.batch_weight[b]), f(("gas_batch_" + n).c_str(), s.gas_batch[b]);
+      f(("solids_batch_" + n).c_str(), s.solids_batch[b]);
+    }
+  }
+};
 
 class Averages {
  public:
-  static constexpr int kBatches = 16;
+  static constexpr int kBatches = AveragesState::kBatches;
 
   /// fine must live as long; coarse is copied. Local.
   Averages(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const ParticleGrid& coarse);
 
   /// Adds the present fields with this weight (s). No message; no allocation unless a particle is farther from the
-  /// rank's cells than any before. Particles whose centre lies outside the fluid's domain don't count.
+  /// rank's cells than any before. Particles whose centre lies outside the fluid's domain don't count. A sample's sum over
+  /// the particles of a cell does not depend on their order.
   void add(double weight, const Fluid& fluid, const Particles& particles);
 
-  double weight() const { return weight_; }
+  double weight() const { return state_.weight; }
   /// Upper bound of what write() adds to a file that has no means yet (of all ranks), bytes.
   double bytes() const;
-  /// Writes /average, in place of what an earlier call wrote. Solids beyond the rank's own cells are sent to their
-  /// owner. Collective. The sums stay as they are.
-  void write(Hdf5File& file) const;
+  /// Writes /average, in place of what an earlier call wrote. Collective. The sums stay as they are.
+  void write(GrowingFile& file) const;
+
+  /// Sends what has been summed for other ranks' cells to them, so that state() is complete. To be called in the run that
+  /// goes on just as in the one that is restarted, since this decides in which order is added. Collective.
+  void gather();
+  /// To be saved after gather(), or filled before the first sample.
+  AveragesState& state() { return state_; }
 
  private:
   enum { kFineEps, kFineP, kFineU, kFineFlux = 5, kFineEps2 = 8, kFineP2, kFineU2, kFineSums = 13 };
@@ -51,6 +84,8 @@ class Averages {
   void add_gas(double weight, const Fluid& fluid);
   void add_solids(double weight, const Particles& particles);
   void grow_window(const Int3& cell);
+  /// What is in the window, at the owners: the sums, then those of the batches. Collective.
+  std::vector<Array3<double>> window_at_owners() const;
 
   MPI_Comm comm_;
   const FineGrid& fine_;
@@ -58,20 +93,13 @@ class Averages {
   Layout coarse_layout_;
   Box fine_own_, coarse_own_;
 
-  double weight_ = 0;
-  long samples_ = 0;
-  std::array<double, kBatches> batch_weight_{};
-  int batch_ = 0;           // the one being filled
-  long batch_length_ = 1;   // samples
-  long batch_samples_ = 0;  // in the one being filled
-
-  // By own cell, x fastest. Sums of the whole run, and of each batch the first kGasBatchSums.
-  std::vector<std::array<double, kFineSums>> fine_sum_;
-  std::vector<std::array<double, kGasSums>> gas_sum_;
-  std::array<std::vector<std::array<double, kGasBatchSums>>, kBatches> gas_batch_;
-  // On a window of the particle grid that covers the own cells and every particle met so far.
-  std::array<Array3<double>, kSolidsSums> solids_sum_;
-  std::array<std::array<Array3<double>, kSolidsBatchSums>, kBatches> solids_batch_;
+  AveragesState state_;
+  // On a window of the particle grid that covers the own cells and every particle met so far: the solids' sums of cells
+  // that are not own, of the run and of batches, and one sample's sums in multiples of a unit.
+  Box window_;
+  std::array<Array3<double>, kSolidsSums> beyond_sum_;
+  std::array<std::array<Array3<double>, kSolidsBatchSums>, kBatches> beyond_batch_;
+  std::vector<std::array<long long, kSolidsSums>> sample_;
 };
 
 }  // namespace twogrid

@@ -1,113 +1,23 @@
 #include "coupling/output/hdf5_file.h"
 
-#include <fcntl.h>
-#include <hdf5.h>
-#include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <numeric>
 #include <stdexcept>
 
 #include "cfd/parallel/ranks.h"
+#include "coupling/output/hdf5_tools.h"
 
 namespace twogrid {
 
 namespace {
 
-/// While it lives, HDF5 prints no error stack of its own.
-class Quiet {
- public:
-  Quiet() {
-    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
-
- private:
-  H5E_auto2_t print_ = nullptr;
-  void* data_ = nullptr;
-};
-
-/// An HDF5 handle and the function that releases it.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*release)(hid_t)) : id_(id), release_(release) {}
-  ~Handle() {
-    if (id_ >= 0) release_(id_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*release_)(hid_t);
-};
-
-/// Innermost description of HDF5's error stack.
-std::string innermost_error() {
-  std::string text;
-  H5Ewalk2(
-      H5E_DEFAULT, H5E_WALK_UPWARD,
-      [](unsigned n, const H5E_error2_t* e, void* out) -> herr_t {
-        if (n == 0 && e->desc) *static_cast<std::string*>(out) = e->desc;
-        return 0;
-      },
-      &text);
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  return text;
-}
-
-std::vector<hsize_t> dims(const std::vector<std::size_t>& v) {
-  return {v.begin(), v.end()};
-}
-
-std::size_t product(const std::vector<std::size_t>& v) {
-  return std::accumulate(v.begin(), v.end(), std::size_t(1), std::multiplies<>());
-}
-
-hid_t simple_space(const std::vector<std::size_t>& extent) {
-  if (extent.empty()) return H5Screate(H5S_SCALAR);
-  return H5Screate_simple(int(extent.size()), dims(extent).data(), nullptr);
-}
-
 herr_t select(hid_t space, const std::vector<std::size_t>& offset, const std::vector<std::size_t>& count, int rank) {
   if (product(count) == 0 || (count.empty() && rank != 0)) return H5Sselect_none(space);
   if (count.empty()) return H5Sselect_all(space);
   return H5Sselect_hyperslab(space, H5S_SELECT_SET, dims(offset).data(), nullptr, dims(count).data(), nullptr);
-}
-
-/// Opens the file (or makes it), reserves room beyond its end (from its start, if it will be written anew), and says in
-/// a sentence why that is impossible; empty: it is possible. HDF5 and MPI give no reason, and end badly on a full disk.
-std::string reserve(const std::string& path, bool create, double bytes, const std::string& keyword) {
-  const std::string remedy =
-      "; give the path of a file in a directory that exists and may be written (fix_modify ID " + keyword + ")";
-  auto refusal = [&](const std::string& why) { return "the file '" + path + "' cannot be written (" + why + ")"; };
-  struct stat s;
-  if (stat(path.c_str(), &s) == 0 && !S_ISREG(s.st_mode)) return refusal("it is not a regular file") + remedy;
-  const int f = open(path.c_str(), create ? O_WRONLY | O_CREAT : O_WRONLY, 0666);
-  if (f < 0) return refusal(std::strerror(errno)) + remedy;
-  std::string why;
-  if (fstat(f, &s) != 0) why = std::strerror(errno);
-  const off_t from = create ? 0 : s.st_size, count = off_t(bytes);
-  if (why.empty() && count > 0 && fallocate(f, 0, from, count) != 0) {
-    struct statvfs disk;
-    if (errno != EOPNOTSUPP)
-      why = std::strerror(errno);
-    else if (fstatvfs(f, &disk) == 0 && double(disk.f_bavail) * double(disk.f_frsize) < bytes)
-      why = "its disk is full";
-    if (!why.empty() && ftruncate(f, s.st_size) != 0) why += ", " + std::string(std::strerror(errno));
-  }
-  ::close(f);
-  if (why.empty()) return "";
-  return refusal(why) + ": the next " + std::to_string((long long)(bytes / 1024) + 1) +
-         " kB have no room; free some space, write fewer frames (fix_modify ID output every), or elsewhere (fix_modify "
-         "ID " +
-         keyword + ")";
 }
 
 /// Why it can't be read, in a sentence; empty: it can.
@@ -123,13 +33,11 @@ std::string unreadable(const std::string& path, const std::string& keyword) {
 
 Hdf5File::Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double bytes, const std::string& keyword)
     : comm_(comm), path_(path), keyword_(keyword), reads_(mode == Mode::kRead) {
-  static_assert(sizeof(long) == sizeof(hid_t), "handles are kept as long");
   rank_ = rank_of(comm);
-  const bool create = mode == Mode::kCreate;
   if (reads_)
     agree(rank_ == 0 ? unreadable(path, keyword) : "");
   else
-    agree(rank_ == 0 ? reserve(path, create, bytes, keyword) : "");
+    agree(rank_ == 0 ? reserve(path, true, bytes, keyword) : "");
 
   Quiet quiet;
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -137,12 +45,12 @@ Hdf5File::Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double byt
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   H5Pset_coll_metadata_write(access, true);
   if (!reads_) H5Pset_all_coll_metadata_ops(access, true);
-  file_ = create ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
-                 : H5Fopen(path.c_str(), reads_ ? H5F_ACC_RDONLY : H5F_ACC_RDWR, access);
+  file_ = reads_ ? H5Fopen(path.c_str(), H5F_ACC_RDONLY, access)
+                 : H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   int bad = file_ < 0, any = 0;
   MPI_Allreduce(&bad, &any, 1, MPI_INT, MPI_MAX, comm);
   if (any) {
-    failed(create ? "creating it" : "opening it");
+    failed(reads_ ? "opening it" : "creating it");
     close();
   }
 }
@@ -181,26 +89,6 @@ void Hdf5File::group(const std::string& path) {
   if (g < 0) failed("group " + path);
 }
 
-namespace {
-/// Writes an attribute of an object, in place of an older one. Returns false when HDF5 refuses.
-bool put_attribute(hid_t file, const std::string& object, const std::string& name, hid_t type, hid_t space,
-                   const void* value) {
-  Handle o(H5Oopen(file, object.c_str(), H5P_DEFAULT), H5Oclose);
-  if (o < 0) return false;
-  if (H5Aexists(o, name.c_str()) > 0) H5Adelete(o, name.c_str());
-  Handle a(H5Acreate2(o, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  return a >= 0 && H5Awrite(a, type, value) >= 0;
-}
-
-hid_t string_type(std::size_t length) {
-  const hid_t t = H5Tcopy(H5T_C_S1);
-  H5Tset_size(t, std::max<std::size_t>(1, length));
-  H5Tset_strpad(t, H5T_STR_NULLPAD);
-  H5Tset_cset(t, H5T_CSET_UTF8);
-  return t;
-}
-}  // namespace
-
 void Hdf5File::attribute(const std::string& object, const std::string& name, const std::string& value) {
   Quiet quiet;
   Handle type(string_type(value.size()), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
@@ -223,8 +111,7 @@ void Hdf5File::write(const std::string& path, const Slab& s, long type, const vo
   Quiet quiet;
   const bool exists = H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0;
   Handle file_space(simple_space(s.extent), H5Sclose);
-  Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);  // every value is written once, by its owner
+  Handle creation(unfilled_dataset(), H5Pclose);
   Handle set(exists ? H5Dopen2(file_, path.c_str(), H5P_DEFAULT)
                     : H5Dcreate2(file_, path.c_str(), type, file_space, H5P_DEFAULT, creation, H5P_DEFAULT),
              H5Dclose);
@@ -276,33 +163,20 @@ bool Hdf5File::has(const std::string& path) const {
 
 std::vector<std::size_t> Hdf5File::extent(const std::string& path) const {
   Quiet quiet;
-  Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose);
-  Handle space(set < 0 ? -1 : H5Dget_space(set), H5Sclose);
-  const int rank = space < 0 ? 0 : H5Sget_simple_extent_ndims(space);
-  std::vector<hsize_t> n(std::max(rank, 0));
-  if (rank > 0) H5Sget_simple_extent_dims(space, n.data(), nullptr);
-  return {n.begin(), n.end()};
+  return extent_of(file_, path);
 }
 
 std::string Hdf5File::text_attribute(const std::string& object, const std::string& name) {
   Quiet quiet;
-  Handle o(H5Oopen(file_, object.c_str(), H5P_DEFAULT), H5Oclose);
-  Handle a(o < 0 ? -1 : H5Aopen(o, name.c_str(), H5P_DEFAULT), H5Aclose);
-  Handle type(a < 0 ? -1 : H5Aget_type(a), H5Tclose);
-  if (type < 0 || H5Tget_class(type) != H5T_STRING) return failed("attribute " + name), "";
-  std::string value(H5Tget_size(type), '\0');
-  if (H5Aread(a, type, value.data()) < 0) failed("attribute " + name);
-  return value.c_str();
+  const std::string value = text_attribute_of(file_, object, name);
+  if (value.empty()) failed("attribute " + name);
+  return value;
 }
 
 std::vector<int> Hdf5File::whole_attribute(const std::string& object, const std::string& name) {
   Quiet quiet;
-  Handle o(H5Oopen(file_, object.c_str(), H5P_DEFAULT), H5Oclose);
-  Handle a(o < 0 ? -1 : H5Aopen(o, name.c_str(), H5P_DEFAULT), H5Aclose);
-  Handle space(a < 0 ? -1 : H5Aget_space(a), H5Sclose);
-  const hssize_t n = space < 0 ? 0 : H5Sget_simple_extent_npoints(space);
-  std::vector<int> value(std::max<hssize_t>(n, 0));
-  if (value.empty() || H5Aread(a, H5T_NATIVE_INT, value.data()) < 0) failed("attribute " + name);
+  const std::vector<int> value = whole_attribute_of(file_, object, name);
+  if (value.empty()) failed("attribute " + name);
   return value;
 }
 

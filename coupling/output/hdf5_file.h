@@ -1,7 +1,5 @@
-// One HDF5 file that all ranks of a communicator write or read together (MPI-IO). The only place that knows HDF5.
-//
-// The file is open only between the constructor and close(), one frame at a time: between frames it is complete on
-// disk, so that a killed run leaves a readable file and others may read it meanwhile.
+// One HDF5 file that all ranks of a communicator write, from its beginning to its end, or read together (MPI-IO). The file
+// is open between the constructor and close(). A file that grows is another kind: growing_file.h.
 //
 // A call that fails does not throw by itself: the other ranks would wait for ever in their next collective call. The
 // first failure is remembered, close() tells all ranks and throws on all of them.
@@ -25,10 +23,10 @@ struct Slab {
 
 class Hdf5File {
  public:
-  enum class Mode { kCreate, kAppend, kRead };
+  enum class Mode { kCreate, kRead };
 
   /// Room for `bytes` more (of all ranks, an upper bound) is reserved on the disk first, so that a full disk is met
-  /// before anything is written and the file stays as it was. Collective. Throws std::runtime_error with a sentence on
+  /// before anything is written. Collective. Throws std::runtime_error with a sentence on
   /// all ranks when there is no such room or the file can't be created or opened. keyword: of the script, that names the
   /// file, for the sentences. kRead: an existing file, bytes don't count.
   Hdf5File(MPI_Comm comm, const std::string& path, Mode mode, double bytes, const std::string& keyword = "output file");

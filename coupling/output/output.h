@@ -1,9 +1,12 @@
 // What a run leaves behind: one HDF5 file with its record, the two grids, the frames and the time means, and beside it
-// XDMF files that open it in ParaView. Written by all ranks together; complete on disk after every frame.
+// XDMF files that open it in ParaView. Written by all ranks together; complete on disk after every frame. A file that is
+// there is never destroyed unasked; a run that goes on from a checkpoint goes on in its file (run_files.h).
 //
-//   /record                 attributes: version, commit, versions of libraries, ranks, date, settings; input_text:
-//                           the script
+//   /record                 attributes: version, commit, versions of libraries, ranks, date, settings, run (an id);
+//                           input_text: the script
 //   /record/settings        attributes: all settings, those by default included, each by its keyword as a script has it
+//   /record/leg_N           attributes: date, commit, ranks, command line and step of the checkpoint that the run went on
+//                           from in this file; N = 2, 3, ...
 //   /grid/x,y,z             nodes of the fine grid (m)
 //   /particle_grid/x,y,z    nodes of the particle grid (m); attribute ratio
 //   /fluid/NNNNNN/          frame NNNNNN (000000, 000001, ...):
@@ -49,12 +52,34 @@ const std::vector<std::string>& output_fields();
 /// Throws std::invalid_argument with a sentence when the settings can't be right, but for names of fields. Local.
 void check(const OutputSettings& settings);
 
+/// What must outlive a process for the output to go on; the means have a state of their own (averages.h). A copy is a
+/// checkpoint; for_each_entry() walks it by name, as CouplingState's does.
+struct OutputState {
+  double run_high = 0, run_low = 0;  // id of the run, 32 bits each; 0, 0: it has not begun
+
+  template <class S, class F>
+  static void for_each_entry(S& s, F&& f) {
+    f("run_high", s.run_high), f("run_low", s.run_low);
+  }
+};
+
+class Averages;
+
 class Output {
  public:
-  /// Creates the files, over older ones of that name, and writes record and grids. The fluid must live as long.
-  /// Collective. Throws std::invalid_argument (settings) or std::runtime_error (file) with a sentence on all ranks.
+  /// Touches no file. The fluid must live as long. Throws std::invalid_argument with a sentence on all ranks when the
+  /// settings can't be right.
   Output(MPI_Comm comm, const Settings& settings, const Fluid& fluid, const Record& record);
   ~Output();
+
+  /// To be called before all of the following; later calls do nothing. Makes the file, with record and grids. With a state
+  /// restored from a checkpoint the run goes on in the file that is there, whose frames after step `last` are dropped; step:
+  /// that of the checkpoint. Keeps other runs off the file. Returns what the user should know, in sentences. Collective.
+  /// Throws std::runtime_error with a sentence on all ranks where a file of that name is there and is not to be
+  /// overwritten, is another run's, is being written by another process, or can't be made.
+  std::vector<std::string> begin(long step, long last);
+  OutputState& state();
+  Averages* averages();  ///< Null: none wanted.
 
   /// Adds a frame of the fields at time t (s), DEM step `step`, and the means so far. Collective. Throws
   /// std::runtime_error with a sentence on all ranks when it can't be written.

@@ -1,9 +1,14 @@
 #include "coupling/output/xdmf.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
+
+#include "coupling/output/file_lock.h"
 
 namespace twogrid {
 
@@ -56,6 +61,23 @@ std::runtime_error not_written(const std::string& path) {
       "); see whether its disk is full and its directory may be written (fix_modify ID output file)");
 }
 
+/// /fluid/000012/u and the like.
+std::vector<XdmfField> at(const std::string& group, std::vector<XdmfField> fields) {
+  for (XdmfField& f : fields) f.path = group + f.name;
+  return fields;
+}
+
+std::string text_of(const XdmfFrame& f) {
+  char t[40];
+  std::snprintf(t, sizeof t, "%.12g", f.time);
+  const std::string fluid = "/fluid/" + f.name + "/", particles = "/particles/" + f.name + "/";
+  std::string grids = xdmf_grid("fluid", f.h5, "/grid", f.n, at(fluid, f.cells));
+  if (f.particles > 0)
+    grids += xdmf_points("particles", f.h5, particles + "position", f.particles, at(particles, f.points));
+  return "<Grid Name=\"frame\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"" + std::string(t) +
+         "\"/>\n" + grids + "</Grid>\n";
+}
+
 }  // namespace
 
 std::string xdmf_grid(const std::string& name, const std::string& h5, const std::string& nodes, const Int3& n,
@@ -78,32 +100,29 @@ std::string xdmf_points(const std::string& name, const std::string& h5, const st
 }
 
 void write_xdmf(const std::string& path, const std::string& grids) {
-  std::FILE* f = std::fopen(path.c_str(), "w");
+  // Beside it first: whoever reads finds the older file or the new one.
+  const std::string target = real_path(path), part = target + ".part";
+  std::FILE* f = std::fopen(part.c_str(), "w");
   if (!f) throw not_written(path);
   const std::string text = kHead + grids + kTail;
   const bool written = std::fwrite(text.data(), 1, text.size(), f) == text.size();
-  if (std::fclose(f) != 0 || !written) throw not_written(path);
+  if (std::fclose(f) != 0 || !written || std::rename(part.c_str(), target.c_str()) != 0) throw not_written(path);
 }
 
-XdmfSeries::XdmfSeries(const std::string& path) : path_(path) {
-  write_xdmf(path, std::string(kSeriesHead) + kSeriesTail);
-  end_ = long(std::strlen(kHead) + std::strlen(kSeriesHead));
+XdmfSeries::XdmfSeries(const std::string& path, const std::vector<XdmfFrame>& frames) : path_(path) {
+  std::string text = kSeriesHead;
+  for (const XdmfFrame& f : frames) text += text_of(f);
+  write_xdmf(path, text + kSeriesTail);
+  end_ = long(std::strlen(kHead) + text.size());
 }
 
-void XdmfSeries::add(double time, const std::string& grids) {
-  char t[40];
-  std::snprintf(t, sizeof t, "%.12g", time);
-  const std::string frame = "<Grid Name=\"frame\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"" +
-                            std::string(t) + "\"/>\n" + grids + "</Grid>\n";
-  write(end_, frame + kSeriesTail + kTail);
-  end_ += long(frame.size());
-}
-
-void XdmfSeries::write(long at, const std::string& text) const {
-  std::FILE* f = std::fopen(path_.c_str(), "r+");
-  if (!f) throw not_written(path_);
-  const bool written = std::fseek(f, at, SEEK_SET) == 0 && std::fwrite(text.data(), 1, text.size(), f) == text.size();
-  if (std::fclose(f) != 0 || !written) throw not_written(path_);
+void XdmfSeries::add(const XdmfFrame& frame) {
+  const std::string text = text_of(frame), all = text + kSeriesTail + kTail;
+  const int f = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+  if (f < 0) throw not_written(path_);
+  const bool written = pwrite(f, all.data(), all.size(), end_) == ssize_t(all.size());
+  if (close(f) != 0 || !written) throw not_written(path_);
+  end_ += long(text.size());
 }
 
 }  // namespace twogrid

@@ -24,20 +24,30 @@ std::string xdmf_grid(const std::string& name, const std::string& h5, const std:
 std::string xdmf_points(const std::string& name, const std::string& h5, const std::string& position, long long count,
                         const std::vector<XdmfField>& fields);
 
-/// Writes a file that shows these grids, without time. Throws std::runtime_error with a sentence.
+/// A frame: what of it is shown. The paths of its fields follow from their names (output.h has the layout).
+struct XdmfFrame {
+  std::string h5, name;  ///< the HDF5 file, relative to the XDMF file; of the frame in it
+  double time = 0;       ///< s
+  double step = 0;
+  Int3 n{0, 0, 0};  ///< cells
+  std::vector<XdmfField> cells, points;
+  long long particles = 0;  ///< shown, if any
+};
+
+/// Writes a file that shows these grids, without time, in place of an older one. Throws std::runtime_error with a
+/// sentence.
 void write_xdmf(const std::string& path, const std::string& grids);
 
 /// A time series. Each frame is put in place of the file's last lines, which are then written again: the file is
 /// complete after every frame.
 class XdmfSeries {
  public:
-  /// Writes a series without frames. Throws std::runtime_error with a sentence.
-  explicit XdmfSeries(const std::string& path);
-  /// grids: what xdmf_grid and xdmf_points give. Throws std::runtime_error with a sentence.
-  void add(double time, const std::string& grids);
+  /// Writes a series of these frames, in place of an older file. Throws std::runtime_error with a sentence.
+  explicit XdmfSeries(const std::string& path, const std::vector<XdmfFrame>& frames = {});
+  /// Throws std::runtime_error with a sentence.
+  void add(const XdmfFrame& frame);
 
  private:
-  void write(long at, const std::string& text) const;
   std::string path_;
   long end_ = 0;  // where the last lines begin
 };

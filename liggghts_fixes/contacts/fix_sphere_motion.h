@@ -1,5 +1,4 @@
-// fix nve/sphere by our kernel: the same results as LIGGGHTS' own to the last bit. A particle whose position is not a
-// number ends the run by a sentence, also where there is no fluid to find it.
+// fix nve/sphere by our kernel: the same results as LIGGGHTS' own to the last bit.
 #pragma once
 
 #include <fix_nve_sphere.h>
@@ -12,9 +11,6 @@ class FixSphereMotion : public LAMMPS_NS::FixNVESphere {
  public:
   FixSphereMotion(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg, const ContactKernel& kernel)
       : FixNVESphere(lammps, narg, arg), kernel_(kernel) {}
-  int setmask() override;
-  void setup_pre_exchange() override { pre_exchange(); }
-  void pre_exchange() override;
   void initial_integrate(int vflag) override;
   void final_integrate() override;
 

@@ -163,6 +163,10 @@ void parse_output(const Line& line) {
       if (out.fields.empty()) refuse("output fields", words.peek(), listed(kFields));
     } else if (!started && words.take_if("particles")) {
       out.particles = words.yes_or_no("output particles");
+    } else if (!started && words.take_if("overwrite")) {
+      out.overwrite = words.yes_or_no("output overwrite");
+    } else if (!started && words.take_if("legs")) {
+      out.many_legs = words.one_of("output legs", {"one", "many"}) == 1;
     } else if (!started && words.take_if("average")) {
       words.one_of("output average", {"from"});
       out.average_from = words.number("output average from", "a time in s, at least 0");
@@ -174,7 +178,8 @@ void parse_output(const Line& line) {
   if (!any)
     refuse("output", words.peek(),
            started ? "off or every N (the rest is fixed at the first run)"
-                   : "every N file F [fields u p eps] [particles yes|no] [average from T], or off");
+                   : "every N file F [fields u p eps] [particles yes|no] [average from T] [overwrite yes|no] "
+                     "[legs one|many], or off");
 }
 
 std::string output_text(const Script& script) {
@@ -186,6 +191,8 @@ std::string output_text(const Script& script) {
   for (const std::string& f : out.fields) s += " " + f;
   s += out.particles ? " particles yes" : " particles no";
   if (out.average_from >= 0) s += " average from " + exact(out.average_from);
+  s += out.overwrite ? " overwrite yes" : " overwrite no";
+  s += out.many_legs ? " legs many" : " legs one";
   return s;
 }
 
@@ -238,11 +245,6 @@ std::string checkpoint_text(const Script& script) {
   if (!plan.folder.empty()) s += " folder " + plan.folder;
   if (plan.by_itself()) s += " keep " + std::to_string(plan.keep);
   return s.empty() || s[0] != ' ' ? s : s.substr(1);
-}
-
-void parse_most_lost(const Line& line) {
-  line.script.most_lost =
-      line.words.take_if("off") ? -1 : line.words.whole(line.keyword, "a number of particles, at least 0, or off", 0);
 }
 
 // ---- flow and steps ------------------------------------------------------------------------------------------------
@@ -349,16 +351,15 @@ std::vector<Keyword> make_rows() {
              [](Settings& s) -> Choice& { return s.fluid.implicit_viscosity; }),
       {"output",
        "`every` N DEM steps, `file` NAME.h5, `fields` some of `u p eps faces`, `particles yes` or `no`, `average from` "
-       "T (s of fluid time); or `off`",
+       "T (s of fluid time), `overwrite no` or `yes`: replace a file that is there, `legs one` or `many`: a file for "
+       "each "
+       "restart; or `off`",
        "", "", "none", "", parse_output, output_text, nullptr, false, true},
       {"checkpoint",
        "`every` N (DEM steps), T `min` or T `h`, `folder` NAME, `keep` K; or `write` FILE, between runs, or `read` "
        "FILE, "
        "before the first",
        "", "all that a run needs to go on, see Restart", "none; K 2", "", parse_checkpoint, checkpoint_text, nullptr,
-       false, true},
-      {"most_lost", "N, or `off`", "", "a run ends when more than N particles have vanished from it", "off", "",
-       parse_most_lost, [](const Script& s) { return s.most_lost < 0 ? "" : std::to_string(s.most_lost); }, nullptr,
        false, true},
       {"model", "NAME keyword value ...", "", "", "none", "", parse_model, nullptr, nullptr, false, true}};
   std::vector<std::string> names;

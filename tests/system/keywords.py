@@ -35,7 +35,7 @@ SETTINGS = {
     "boundary": "xlo periodic; xhi periodic; ylo slip; yhi slip; zlo inlet 0 0 v_U; zlo patch jet rect 0 0.002 0 0.002 inlet 0 0 0.5; "
                 "zhi pressure 0",
     "initial u": "0 0 0", "flow_rate": "none", "accuracy": "off", "convection": "vanleer", "gap friction": "off",
-    "output": "every 10 file bed.h5 particles yes"}
+    "output": "every 10 file bed.h5 particles yes overwrite no legs one"}
 OLD_NAMES = ("program", "version", "commit", "date", "command_line", "ranks", "bricks", "fine", "ratio", "every", "density", "viscosity",
              "drag", "formulation")  # attributes of /record that files have had before
 

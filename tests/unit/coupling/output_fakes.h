@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <regex>
@@ -217,8 +218,8 @@ class OutputTest : public ::testing::Test {
   void TearDown() override {
     MPI_Barrier(MPI_COMM_WORLD);
     if (rank_of(MPI_COMM_WORLD) == 0) {
-      for (const char* f : {"/bed.h5", "/bed.xdmf", "/bed_average.xdmf"}) unlink((directory_ + f).c_str());
-      rmdir(directory_.c_str());
+      std::error_code ignored;
+      std::filesystem::remove_all(directory_, ignored);
     }
     MPI_Barrier(MPI_COMM_WORLD);
   }

@@ -7,8 +7,10 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <memory>
 
 #include "cfd/parallel/ranks.h"
+#include "coupling/output/averages.h"
 #include "tests/unit/coupling/output_fakes.h"
 
 namespace twogrid_test {
@@ -24,6 +26,7 @@ TEST_F(OutputTest, FramesHoldTheValuesOfEveryCellFaceAndParticle) {
                 {{"LIGGGHTS", "3.8.0"}},
                 {{"eps bound", "move 0.3"}, {"boundary", "zlo slip; zhi slip"}}};
   Output output(MPI_COMM_WORLD, settings_, fluid_, record);
+  output.begin(0, 0);
   const int particles[3] = {40, 0, 23};  // changes from frame to frame; none at all in the second
   for (int n = 0; n < 3; ++n) {
     fluid_.set(n);
@@ -111,13 +114,29 @@ TEST_F(OutputTest, FramesHoldTheValuesOfEveryCellFaceAndParticle) {
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
-// Without it, a second start under the same name could leave frames of the older run behind, which read like new ones.
-TEST_F(OutputTest, AStartWritesOverAnOlderFile) {
-  for (int run = 0; run < 2; ++run) {
+// Without it, a start where a file is could destroy results, or, where asked to, leave frames of the older run behind, which
+// read like new ones; and a run that is refused before it begins could have destroyed them already.
+TEST_F(OutputTest, AFileThatIsThereIsReplacedOnlyWhenAskedTo) {
+  const auto frames = [&](int count) {
     Output output(MPI_COMM_WORLD, settings_, fluid_, {});
+    output.begin(0, 0);
     Cloud cloud(10);
-    for (int n = 0; n < 2 - run; ++n) output.frame(n, n, cloud.view());
-  }
+    for (int n = 0; n < count; ++n) output.frame(n, n, cloud.view());
+    output.begin(0, 0);  // a second run of the same fix: nothing new
+  };
+  frames(2);
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string before = read_text(settings_.output.file);
+  const std::string s = sentence([&] { frames(1); });
+  EXPECT_NE(s.find("there already"), std::string::npos) << s;
+  EXPECT_NE(s.find("2 frames"), std::string::npos) << s;
+  EXPECT_NE(s.find("overwrite yes"), std::string::npos) << s;
+  settings_.output.overwrite = true;
+  { Output output(MPI_COMM_WORLD, settings_, fluid_, {}); }  // never begun
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_TRUE(read_text(settings_.output.file) == before);
+  MPI_Barrier(MPI_COMM_WORLD);
+  frames(1);
   MPI_Barrier(MPI_COMM_WORLD);
   if (rank_of(MPI_COMM_WORLD) == 0) {
     ReadBack file(settings_.output.file);
@@ -130,12 +149,140 @@ TEST_F(OutputTest, AStartWritesOverAnOlderFile) {
   }
 }
 
+// Without it, two runs in one folder could write into each other's file; or a lock that a killed run has left could keep all
+// others out.
+TEST_F(OutputTest, AFileIsWrittenByOneRunAtATime) {
+  settings_.output.overwrite = true;
+  auto first = std::make_unique<Output>(MPI_COMM_WORLD, settings_, fluid_, Record{});
+  first->begin(0, 0);
+  Output second(MPI_COMM_WORLD, settings_, fluid_, {});
+  const std::string s = sentence([&] { second.begin(0, 0); });
+  EXPECT_NE(s.find("another run (process "), std::string::npos) << s;
+  first.reset();
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_EQ(access((settings_.output.file + ".lock").c_str(), F_OK), -1);
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank_of(MPI_COMM_WORLD) == 0) std::ofstream(settings_.output.file + ".lock") << "process 1 on a node";  // killed
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_EQ(sentence([&] { second.begin(0, 0); }), "");
+}
+
+// Without it, a run that goes on from a checkpoint could begin another file, repeat frames, or go on in a file of another
+// run; and the means could begin anew, or count particles of a checkpoint twice.
+TEST_F(OutputTest, ARunGoesOnInItsFile) {
+  settings_.output.average_from = 0;
+  const auto sample = [&](Output& output, int n) {
+    fluid_.set(n);
+    Cloud cloud(20 + n);
+    // On another rank than the cell's.
+    for (auto& x : cloud.x) x[0] = std::fmod(x[0] + 0.0007 * n, 0.012);
+    output.average(0.01, cloud.view());
+    if (n % 3 == 0) output.frame(n, n, cloud.view());
+  };
+  OutputState state;
+  AveragesState means;
+  Settings whole = settings_;
+  whole.output.file = directory_ + "/whole.h5";
+  {
+    Output one(MPI_COMM_WORLD, settings_, fluid_, {}), other(MPI_COMM_WORLD, whole, fluid_, {});
+    one.begin(0, 0), other.begin(0, 0);
+    for (int n = 0; n < 27; ++n) sample(one, n), sample(other, n);
+    one.averages()->gather(), other.averages()->gather();
+    state = one.state(), means = one.averages()->state();
+    for (int n = 27; n < 34; ++n) sample(one, n);  // killed then
+    for (int n = 27; n < 44; ++n) sample(other, n);
+    other.finish();
+  }
+  std::vector<std::string> said;
+  {
+    Output again(MPI_COMM_WORLD, settings_, fluid_, {});
+    again.state() = state, again.averages()->state() = means;
+    said = again.begin(26, 26);
+    for (int n = 27; n < 44; ++n) sample(again, n);
+    again.finish();
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank_of(MPI_COMM_WORLD) == 0) {
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_NE(said[0].find("after 9 frames"), std::string::npos) << said[0];
+    EXPECT_NE(said[0].find("3 later ones"), std::string::npos) << said[0];
+    ReadBack one(settings_.output.file), other(whole.output.file);
+    ASSERT_TRUE(one.is_open() && other.is_open());
+    for (int n = 0; n < 15; ++n) {
+      char frame[32];
+      std::snprintf(frame, sizeof frame, "/fluid/%06d", n);
+      ASSERT_TRUE(one.has(frame)) << n;
+      EXPECT_EQ(one.values(std::string(frame) + "/step")[0], 3.0 * n);
+      EXPECT_EQ(one.values(std::string(frame) + "/p"), other.values(std::string(frame) + "/p"));
+    }
+    EXPECT_FALSE(one.has("/fluid/000015"));
+    for (const char* d : {"fine/u", "fine/p_variance", "particle_grid/eps", "particle_grid/solids_flux",
+                          "particle_grid/batch/solids_flux", "particle_grid/batch/eps", "particle_grid/batch/weight"})
+      EXPECT_EQ(one.values(std::string("/average/") + d), other.values(std::string("/average/") + d)) << d;
+    EXPECT_TRUE(one.has("/record/leg_2"));
+    check_xdmf(directory_ + "/bed.xdmf", one);
+    std::size_t shown = 0;
+    const std::string xdmf = read_text(directory_ + "/bed.xdmf"), series = read_text(directory_ + "/whole.xdmf");
+    for (std::size_t at = xdmf.find("<Time"); at != std::string::npos; at = xdmf.find("<Time", at + 1)) ++shown;
+    EXPECT_EQ(shown, 15u);
+    EXPECT_EQ(xdmf, std::regex_replace(series, std::regex("whole\\.h5"), "bed.h5"));
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  state.run_low = std::fmod(state.run_low + 1, 1e9);
+  Output foreign(MPI_COMM_WORLD, settings_, fluid_, {});
+  foreign.state() = state;
+  const std::string s = sentence([&] { foreign.begin(26, 26); });
+  EXPECT_NE(s.find("of another run"), std::string::npos) << s;
+}
+
+// Without it, `legs many` could destroy an older leg, or ParaView could show a moment twice; and a file that a machine has
+// left damaged could stop the run for good.
+TEST_F(OutputTest, LegsOfARunAreOneSeries) {
+  settings_.output.many_legs = true;
+  OutputState state;
+  const auto leg = [&](int from, int to) {  // steps
+    Output output(MPI_COMM_WORLD, settings_, fluid_, {});
+    output.state() = state;
+    const auto said = output.begin(from, from);
+    state = output.state();
+    Cloud cloud(5);
+    for (int n = from + 1; n <= to; ++n) output.frame(n, n, cloud.view());
+    return said;
+  };
+  const auto series = [&] {
+    std::string s;
+    const std::string xdmf = read_text(directory_ + "/bed.xdmf");
+    const std::regex frame("<Time Value=\"([0-9]+)\"/>[^:]*>([a-z0-9.]+):");
+    for (std::sregex_iterator m(xdmf.begin(), xdmf.end(), frame), end; m != end; ++m)
+      s += (*m)[1].str() + " " + (*m)[2].str() + "; ";
+    return s;
+  };
+  leg(0, 4);
+  leg(3, 6);
+  leg(2, 4);
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_EQ(series(), "1 bed.h5; 2 bed.h5; 3 bed.3.h5; 4 bed.3.h5; ");
+  settings_.output.many_legs = false;
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank_of(MPI_COMM_WORLD) == 0) {
+    EXPECT_EQ(truncate((directory_ + "/bed.3.h5").c_str(), 3000), 0);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const auto said = leg(4, 5);
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank_of(MPI_COMM_WORLD) == 0) {
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_NE(said[0].find("bed.3.h5 is damaged"), std::string::npos) << said[0];
+  }
+  EXPECT_EQ(series(), "1 bed.h5; 2 bed.h5; 3 bed.h5; 4 bed.2.h5; 5 bed.4.h5; ");
+}
+
 // Without it, a wrong word in a script could be taken in silence, or end one rank only and leave the others waiting.
 TEST_F(OutputTest, RefusesWhatCannotBeWrittenInOneSentenceOnAllRanks) {
   auto refusal = [&](const std::string& file, const std::vector<std::string>& fields) {
     settings_.output.file = file;
     settings_.output.fields = fields;
-    return sentence([&] { Output output(MPI_COMM_WORLD, settings_, fluid_, {}); });
+    return sentence([&] { Output(MPI_COMM_WORLD, settings_, fluid_, {}).begin(0, 0); });
   };
   const std::string good = directory_ + "/bed.h5";
   EXPECT_NE(refusal(good, {"u", "vorticity"}).find("'vorticity'"), std::string::npos);
@@ -153,6 +300,7 @@ TEST_F(OutputTest, RefusesWhatCannotBeWrittenInOneSentenceOnAllRanks) {
 // that can't be read any more. The limit on the size of files stands for the full disk.
 TEST_F(OutputTest, AFrameThatFindsNoRoomThrowsOnAllRanksAndLeavesTheFileReadable) {
   Output output(MPI_COMM_WORLD, settings_, fluid_, {});
+  output.begin(0, 0);
   Cloud cloud(20);
   output.frame(0, 0, cloud.view());
   struct rlimit old;

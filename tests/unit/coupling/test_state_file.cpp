@@ -17,11 +17,14 @@ struct Numbers {
   bool flag = false;
   CellField<FineGrid> cells;
   CellField<ParticleGrid> nodes, unused;
+  CellTable<FineGrid> of_cells;
+  CellTable<ParticleGrid> of_nodes;
 
   template <class S, class F>
   static void for_each_entry(S& s, F&& f) {
     f("own", s.own), f("same", s.same), f("whole", s.whole), f("flag", s.flag);
     f("cells", s.cells), f("nodes", s.nodes), f("unused", s.unused);
+    f("of_cells", s.of_cells), f("of_nodes", s.of_nodes);
   }
 };
 
@@ -46,6 +49,19 @@ TEST(StateFile, GivesEachRankItsOwnBack) {
   given.own = rank + 0.1, given.same = 1.0 / 3, given.whole = -7, given.flag = true;
   given.cells.reset(cells.cells(rank).grown(2)), given.nodes.reset(nodes.cells(rank));
   fill(given.cells), fill(given.nodes);
+  // Column q of a cell: its value and q.
+  const auto each = [](auto& table, auto f) {
+    std::size_t c = 0;
+    for_each(table.own(), [&](int i, int j, int k) {
+      for (int q = 0; q < table.columns(); ++q) f(table.at(c)[q], value(i, j, k) + q);
+      ++c;
+    });
+  };
+  const auto make = [](Numbers& n, const Layout& c, const Layout& m, int r) {
+    n.of_cells.reset(c.cells(r), 3), n.of_nodes.reset(m.cells(r), 2);
+  };
+  make(given, cells, nodes, rank);
+  each(given.of_cells, [](double& x, double v) { x = v; }), each(given.of_nodes, [](double& x, double v) { x = v; });
   {
     Hdf5File file(comm, path, Hdf5File::Mode::kCreate, 1e6);
     StateFile(comm, cells, nodes, file).write("/state", given);
@@ -56,6 +72,7 @@ TEST(StateFile, GivesEachRankItsOwnBack) {
     const Layout c = make_layout(grid, n, {2, 2, 2}), m = node_layout(c, coarse);
     Numbers got;
     got.unused.reset({{0, 0, 0}, {1, 1, 1}});
+    make(got, c, m, rank_of(readers));
     Hdf5File file(readers, path, Hdf5File::Mode::kRead, 0);
     StateFile(readers, c, m, file).read("/state", got);
     file.close();
@@ -70,6 +87,8 @@ TEST(StateFile, GivesEachRankItsOwnBack) {
     long long wrong = 0;
     for (Array3<double>* a : {static_cast<Array3<double>*>(&got.cells), static_cast<Array3<double>*>(&got.nodes)})
       for_each(a->box(), [&](int i, int j, int k) { wrong += (*a)(i, j, k) != value(i, j, k); });
+    each(got.of_cells, [&](double x, double v) { wrong += x != v; });
+    each(got.of_nodes, [&](double x, double v) { wrong += x != v; });
     EXPECT_EQ(wrong, 0);
   };
   check(comm, rank + 0.1);

@@ -45,7 +45,7 @@ TEST(Keywords, WhatRowsPrintIsReadBackAsTheSame) {
        "drag kochhill formulation A method jets deposit exact prolong linear read kernel 0.002 eps bound clip 0.35 "
        "interpolate linear hold off one-way yes initial u 1 2 3 initial vortex 0.1 cfl 0.7 dt 1e-4 convection central "
        "implicit on gap friction on pressure_gradient 0 0 -5 flow_rate x 0.2 flow_rate y 0.1 tolerance 1e-8 "
-       "accuracy 0.01 output every 20 file bed.h5 fields u eps particles no average from 0.5 "
+       "accuracy 0.01 output every 20 file bed.h5 fields u eps particles no average from 0.5 overwrite yes legs many "
        "boundary zlo inlet 0 v_U 0.1234567890123456 boundary zlo patch jet rect 0 0.1 0 0.2 inlet 0 0 5 profile "
        "parabolic xy boundary zlo patch plate circle 0 1 2 noslip boundary zlo patch hole region R pressure 3 boundary "
        "xlo noslip 0 v_V 0 boundary zhi pressure -2 boundary ylo periodic"},
@@ -85,9 +85,8 @@ TEST(Keywords, EachRowPrintsWhatTheScriptGave) {
                                                                {"convection", "central"},
                                                                {"implicit", "on"},
                                                                {"gap friction", "on"},
-                                                               {"output", "every 20 file a.h5 particles yes"},
-                                                               {"checkpoint", "read a.h5"},
-                                                               {"most_lost", "7"}};
+                                                               {"output", "every 20 file a.h5 particles yes overwrite no legs one"},
+                                                               {"checkpoint", "read a.h5"}};
   for (const auto& [keyword, value] : given) {
     Script script = fix();
     const auto before = texts(script);
