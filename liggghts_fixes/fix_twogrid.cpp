@@ -19,6 +19,7 @@
 #include "liggghts_fixes/contacts/pair_switch.h"
 #include "liggghts_fixes/liggghts/box.h"
 #include "liggghts_fixes/liggghts/particle_columns.h"
+#include "liggghts_fixes/liggghts/positions.h"
 #include "liggghts_fixes/liggghts/restart_file.h"
 #include "liggghts_fixes/liggghts/run_record.h"
 #include "liggghts_fixes/liggghts/scene_facts.h"
@@ -36,14 +37,6 @@
 namespace twogrid {
 
 using namespace LAMMPS_NS;
-
-namespace {
-
-constexpr int kUserColumns = 10;
-static_assert(kDragForce == 0 && kPressureForce == 3 && kVoidFraction == 6 && kFluidVelocity == 7,
-              "the state's first ten columns are the user's per-atom array");
-
-}  // namespace
 
 FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg)
     : Fix(lammps, narg, arg), names_(*lammps, script_, id), watch_(*lammps, id) {
@@ -183,7 +176,7 @@ void FixTwogrid::build() {
   const ParticleRegion region = particle_region(*lmp);
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, region.lo, region.hi, region.reach);
   install_models({script_, *fluid_, *coupling_, [this](const std::string& n) { return particle_property(*lmp, n); }});
-  watch_.look_at(CouplingWatch(s.bound, s.eps_min));
+  watch_.look_at(CouplingWatch(s));
   if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
   open_output();
   watch_.say(scene_report(script_, grid, facts));
@@ -218,6 +211,7 @@ Particles FixTwogrid::particles() {
 }
 
 void FixTwogrid::pre_exchange() {
+  guarded([&] { check_positions(*lmp); });
   if (!balance_ || !balance_->move_borders()) return;
   guarded([&] {
     const ParticleRegion region = particle_region(*lmp);
@@ -247,7 +241,7 @@ void FixTwogrid::setup(int) {
         watch_.say("twogrid: " + sentence + "\n");
     if (frame_due()) write_frame(p);
     schedule_.begin_run();
-    watch_.begin_run(update->laststep - update->firststep);
+    watch_.begin_run(update->laststep - update->firststep, schedule_);
     times_.begin(update->ntimestep, coupling_->shares());
   });
 }
@@ -281,7 +275,7 @@ void FixTwogrid::pre_force(int) {
 }
 
 void FixTwogrid::couple() {
-  watch_.look(schedule_);
+  watch_.look(schedule_, script_.most_lost);
   Particles p = particles();
   const bool check = accuracy_.due();
   watch_.begin_coupling();
@@ -337,7 +331,7 @@ void FixTwogrid::end_coupling() {
       }
       if (frame_due()) write_frame(p);
     }
-    watch_.tell_progress(times_.done(update->ntimestep), coupling_->report().fluid_time);
+    watch_.tell_progress(times_.done(update->ntimestep), coupling_->report(), schedule_);
   });
 }
 

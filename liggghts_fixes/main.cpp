@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "liggghts_fixes/report/status.h"
 #include "liggghts_fixes/run/command_line.h"
 #include "liggghts_fixes/run/end_run.h"
 #include "liggghts_fixes/run/old_files.h"
@@ -40,6 +41,7 @@ int main(int argc, char** argv) {
     }
     twogrid::start_petsc(line.petsc);
     twogrid::install_signal_handlers();  // PETSc has put the default ones back
+    twogrid::open_status(line.log, "twogrid " TWOGRID_VERSION " (" TWOGRID_COMMIT ")", errors);
     twogrid::Checkpoint from = twogrid::checkpoint_wanted(MPI_COMM_WORLD, line);
     if (!from.path.empty()) {
       int rank = 0;
@@ -60,6 +62,7 @@ int main(int argc, char** argv) {
     const int signal = session.run();
     twogrid::handle_runs({});
     status = signal == 0 ? 0 : 128 + signal;
+    signal == 0 ? twogrid::Status::of_process().finish() : twogrid::Status::of_process().end_by_signal(signal);
     twogrid::keep_sentences(nullptr);
     delete lammps;
   } catch (const twogrid::EndedBySignal& e) {

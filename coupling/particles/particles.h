@@ -24,6 +24,7 @@ enum ParticleColumn {
   kRestRadius = 23,    ///< 23 radius then; where particles grow, at the last coupling (m)
   kParticleColumns = 24
 };
+constexpr int kUserColumns = 10;  ///< the first ones, which a user sees
 
 /// The part of the state that every DEM step needs lies by itself, one particle's beside the next one's: of rows of the
 /// above a step would fetch twice the memory.

@@ -3,6 +3,8 @@
 #include <atom.h>
 #include <domain.h>
 
+#include "liggghts_fixes/liggghts/positions.h"
+
 namespace twogrid {
 
 using namespace LAMMPS_NS;
@@ -14,6 +16,15 @@ bool FixSphereMotion::served() const {
 void FixSphereMotion::half_step(double dt) {
   kernel_.kick({dtf, dt, onePlusCAddRhoFluid_, atom->nlocal, groupbit, atom->x[0], atom->v[0], atom->omega[0],
                 atom->f[0], atom->torque[0], atom->radius, atom->rmass, atom->mask});
+}
+
+int FixSphereMotion::setmask() {
+  return FixNVESphere::setmask() | FixConst::PRE_EXCHANGE;
+}
+
+/// Comes with every new neighbour list.
+void FixSphereMotion::pre_exchange() {
+  check_positions(*lmp);
 }
 
 void FixSphereMotion::initial_integrate(int vflag) {

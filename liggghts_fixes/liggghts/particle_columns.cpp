@@ -7,6 +7,7 @@
 #include <modify.h>
 
 #include <cstdio>
+#include <cstring>
 #include <vector>
 
 #include "liggghts_fixes/liggghts/motion.h"
@@ -63,6 +64,15 @@ Particles view_particles(LAMMPS& lammps, int group, const Motion& motion, FixPro
   for (int d = 0; d < 3; ++d)
     if (domain.periodicity[d]) p.period[d] = domain.prd[d];
   return p;
+}
+
+long long inserted_particles(LAMMPS& lammps) {
+  long long inserted = 0;
+  for (int i = 0; i < lammps.modify->nfix; ++i) {
+    Fix& fix = *lammps.modify->fix[i];
+    if (std::strncmp(fix.style, "insert/", 7) == 0) inserted += (long long)fix.compute_vector(0);
+  }
+  return inserted;
 }
 
 }  // namespace twogrid

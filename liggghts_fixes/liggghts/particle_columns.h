@@ -20,6 +20,8 @@ LAMMPS_NS::FixPropertyAtom* keep_with_particles(LAMMPS_NS::LAMMPS& lammps, const
 
 /// Collective.
 long long particles_of_all_ranks(LAMMPS_NS::LAMMPS& lammps);
+/// Of these and of those that have gone, how many the fixes insert/... of the script have made so far. Not collective.
+long long inserted_particles(LAMMPS_NS::LAMMPS& lammps);
 
 /// Where the values of a fix property/atom of this name and one column lie now; null: there is none.
 double* particle_property(LAMMPS_NS::LAMMPS& lammps, const std::string& name);

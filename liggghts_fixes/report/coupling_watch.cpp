@@ -1,6 +1,7 @@
 #include "liggghts_fixes/report/coupling_watch.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "liggghts_fixes/script/words.h"
 
@@ -31,6 +32,15 @@ bool CouplingWatch::Told::due(double value, double limit) {
 
 std::vector<std::string> CouplingWatch::look(const Report& r, int steps, double dem_dt) {
   std::vector<std::string> said;
+  if (dt_ > 0 && courant_.due(r.cfl, kCourant)) {
+    const std::string found = "the Courant number is " + brief(r.cfl) + " with fluid steps of 'dt' " + text(dt_) + " s";
+    if (r.cfl > kMostCourant)
+      throw std::runtime_error(found + ", wanted: at most " + text(kMostCourant) +
+                               "; lower 'dt', or leave it out: 'cfl' then chooses the step");
+    said.push_back(found + ", wanted: at most " + text(kCourant) +
+                   ", above which convection is stable only where drag damps it; lower 'dt' to " +
+                   brief(0.4 * kCourant * dt_ / r.cfl) + " s, or leave it out: 'cfl' then chooses the step");
+  }
   if (steps > 0 && travel_.due(r.travel, kTravel))
     said.push_back("a particle crosses " + text(r.travel) + " particle cells in a coupling interval of " +
                    std::to_string(steps) + " steps, wanted: at most " + text(kTravel) + "; " +
@@ -62,6 +72,19 @@ std::vector<std::string> CouplingWatch::look(const Report& r, int steps, double 
                    " (f_ID[7]), wanted: at most " + brief(kError) +
                    "; lower every or timestep: an exchange so strong is lost in the rounding of numbers");
   return said;
+}
+
+std::string losses(Schedule& schedule, long long now, long long most, long long step) {
+  const long long told = schedule.count_particles(now), lost = schedule.state().lost;
+  if (most >= 0 && lost > most)
+    throw std::runtime_error("most_lost: found " + std::to_string(lost) +
+                             " particle(s) that have vanished, wanted at most " + std::to_string(most) +
+                             ": look where they leave (a side without a wall that is not periodic, or a wall they "
+                             "break through: lower timestep), or raise 'most_lost' where the script deletes them");
+  if (told == 0) return "";
+  return std::to_string(told) + " particle(s) have vanished up to step " + std::to_string(step) +
+         ": unless the script deletes them, they left the box by a side that is not periodic; put a wall there, or "
+         "lower timestep if they broke through one; 'most_lost N' ends a run that loses more than N";
 }
 
 }  // namespace twogrid

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "coupling/control/schedule.h"
 #include "coupling/coupling.h"
 
 namespace twogrid {
@@ -16,17 +17,24 @@ class CouplingWatch {
   static constexpr double kMoved = 0.01;  ///< of the solids' volume may be moved (or thrown away) by the eps bound
   static constexpr double kError = 1e-9;  ///< relative error of solid volume and momentum: round-off lies far below
 
-  CouplingWatch() = default;
-  CouplingWatch(EpsBound bound, double eps_min) : bound_(bound), eps_min_(eps_min) {}
+  /// With 'dt' nothing keeps the Courant number small: above the first, convection is stable only where drag damps
+  /// it, and that is told; above the second a run is beyond help.
+  static constexpr double kCourant = 1, kMostCourant = 1000;
 
-  /// After a coupling over `steps` DEM steps of dem_dt seconds; steps 0: the first deposit. Usually no sentence.
+  CouplingWatch() = default;
+  explicit CouplingWatch(const Settings& settings)
+      : bound_(settings.bound),
+        eps_min_(settings.eps_min),
+        dt_(settings.fluid.convection == Convection::kNone ? 0.0 : settings.fluid.dt) {}
+
+  /// Throws std::runtime_error with a sentence where the Courant number is out of hand. After a coupling over `steps` DEM steps of dem_dt seconds; steps 0: the first deposit. Usually no sentence.
   std::vector<std::string> look(const Report& report, int steps, double dem_dt);
 
   /// What has been told: f(name, entry). S: CouplingWatch or const CouplingWatch.
   template <class S, class F>
   static void for_each_entry(S& s, F&& f) {
     f("travel", s.travel_.at), f("moved", s.moved_.at), f("unplaced", s.unplaced_.at), f("volume", s.volume_.at);
-    f("momentum", s.momentum_.at);
+    f("momentum", s.momentum_.at), f("courant", s.courant_.at);
   }
 
  private:
@@ -36,8 +44,13 @@ class CouplingWatch {
     bool due(double value, double limit);
   };
   EpsBound bound_ = EpsBound::kMove;
-  double eps_min_ = 0;
-  Told travel_, moved_, unplaced_, volume_, momentum_;
+  double eps_min_ = 0, dt_ = 0;
+  Told courant_, travel_, moved_, unplaced_, volume_, momentum_;
 };
+
+/// At a coupling. now: particles of all ranks, less those that were inserted so far, so that it only falls. most: of
+/// `most_lost`; negative: off. Returns a warning where one is due, else "". Throws std::runtime_error with a sentence
+/// where more are lost.
+std::string losses(Schedule& schedule, long long now, long long most, long long step);
 
 }  // namespace twogrid

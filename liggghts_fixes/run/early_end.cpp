@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <typeinfo>
 
+#include "liggghts_fixes/report/status.h"
 #include "liggghts_fixes/run/signals.h"
 
 namespace twogrid {
@@ -25,6 +26,7 @@ class WatchedVerlet : public Verlet {
       const int piece = int(std::min<long long>(early_end_.steps_to_look(), n - done));
       Verlet::run(piece);
       done += piece;
+      Status::of_process().step(update->ntimestep);
       if (early_end_.look(piece) && done < n) {
         update->nsteps = done;
         update->laststep = update->ntimestep;

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "liggghts_fixes/report/status.h"
+
 namespace twogrid {
 namespace {
 
@@ -46,10 +48,32 @@ ssize_t show(void*, const char* text, size_t n) {
 
 LAMMPS_NS::LAMMPS* watched = nullptr;
 
+/// LIGGGHTS' last error as the screen has it, from its ERROR on.
+std::string last_error() {
+  const std::size_t error = shown.rfind("ERROR");
+  return error == std::string::npos ? "ERROR: told on the screen\n" : shown.substr(error);
+}
+
+/// The line of it, without the word.
+std::string last_sentence() {
+  const std::string error = last_error(), line = error.substr(0, error.find('\n'));
+  return line.rfind("ERROR: ", 0) == 0 ? line.substr(7) : line;
+}
+
+/// LIGGGHTS' errors of all ranks, and its command quit (with code 1, too, but without a word), end here.
+void tell_status(int code, void*) {
+  if (code == 0 || (!shown.empty() && shown.find("ERROR") == std::string::npos))
+    Status::of_process().finish();
+  else
+    Status::of_process().fail(last_sentence());
+}
+
 }  // namespace
 
 void keep_sentences(LAMMPS_NS::LAMMPS* lammps) {
   watched = lammps;
+  static const int told = on_exit(tell_status, nullptr);
+  (void)told;
   if (!lammps || lammps->screen != stdout) return;
   const cookie_io_functions_t functions = {nullptr, show, nullptr, nullptr};
   FILE* const screen = fopencookie(nullptr, "w", functions);
@@ -60,10 +84,8 @@ void keep_sentences(LAMMPS_NS::LAMMPS* lammps) {
 
 void write_last_sentence() {
   if (watched && watched->screen) std::fflush(watched->screen);
-  if (watched && watched->logfile) {
-    const std::size_t error = shown.rfind("ERROR");
-    std::fputs(error == std::string::npos ? "ERROR: told on the screen\n" : shown.c_str() + error, watched->logfile);
-  }
+  if (watched && watched->logfile) std::fputs(last_error().c_str(), watched->logfile);
+  Status::of_process().fail_alone(last_sentence());
   std::fflush(nullptr);
 }
 
@@ -72,10 +94,15 @@ void end_with_error(LAMMPS_NS::LAMMPS* lammps, MPI_Comm comm, const std::string&
   MPI_Comm_rank(comm, &rank);
   if (all_arrive(comm, 2.0)) {
     if (rank == 0) say(lammps, "ERROR: " + sentence);
+    if (code > 128)
+      Status::of_process().end_by_signal(code - 128, sentence);
+    else
+      Status::of_process().fail(sentence);
     MPI_Finalize();
     std::exit(code);
   }
   say(lammps, "ERROR on rank " + std::to_string(rank) + ": " + sentence);
+  Status::of_process().fail_alone(sentence);
   std::fflush(nullptr);
   PMPI_Abort(MPI_COMM_WORLD, code);
   std::_Exit(code);

@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "liggghts_fixes/liggghts/particle_columns.h"
+#include "liggghts_fixes/report/status.h"
 #include "liggghts_fixes/run/signals.h"
 
 namespace twogrid {
@@ -44,18 +46,16 @@ void RunWatch::warn_of_unused_options(const std::string& beginning, const std::s
   for (const std::string& sentence : unused_options_.sentences(beginning, but)) warn(sentence);
 }
 
-void RunWatch::begin_run(long long steps) {
+void RunWatch::begin_run(long long steps, Schedule& schedule) {
+  schedule.count_particles(particles_of_all_ranks(lammps_) - inserted_particles(lammps_));
   progress_.begin(MPI_Wtime(), steps);
 }
 
-void RunWatch::look(Schedule& schedule) const {
-  long long particles = lammps_.atom->nlocal;
-  MPI_Allreduce(MPI_IN_PLACE, &particles, 1, MPI_LONG_LONG, MPI_SUM, lammps_.world);
+void RunWatch::look(Schedule& schedule, long long most_lost) const {
   // LIGGGHTS forgets particles that leave by a side in silence.
-  if (const long long lost = schedule.count_particles(particles); lost > 0)
-    warn(std::to_string(lost) + " particle(s) have vanished up to step " + std::to_string(lammps_.update->ntimestep) +
-         ": unless the script deletes them, they left the box by a side that is not periodic; put a wall there, or "
-         "lower timestep if they broke through one");
+  const long long now = particles_of_all_ranks(lammps_) - inserted_particles(lammps_);
+  const std::string warning = losses(schedule, now, most_lost, lammps_.update->ntimestep);
+  if (!warning.empty()) warn(warning);
 }
 
 void RunWatch::begin_coupling() {
@@ -80,8 +80,9 @@ void RunWatch::look(const Report& report, int steps) {
     warn(sentence + " (step " + std::to_string(lammps_.update->ntimestep) + ")");
 }
 
-void RunWatch::tell_progress(long long done, double time) {
-  const std::string line = progress_.line(MPI_Wtime(), done, time);
+void RunWatch::tell_progress(long long done, const Report& report, Schedule& schedule) {
+  Status::of_process().couple(lammps_.update->ntimestep, report, schedule.state(), inserted_particles(lammps_));
+  const std::string line = progress_.line(MPI_Wtime(), done, report.fluid_time);
   if (!line.empty()) say(line + "\n");
 }
 

@@ -32,10 +32,11 @@ class RunWatch {
 
   void look_at(const CouplingWatch& coupling) { coupling_ = coupling; }
   CouplingWatch& coupling() { return coupling_; }
-  /// A run of so many DEM steps begins.
-  void begin_run(long long steps);
-  /// Before a coupling, one small message: have particles vanished? Collective.
-  void look(Schedule& schedule) const;
+  /// A run of so many DEM steps begins: particles are counted. Collective.
+  void begin_run(long long steps, Schedule& schedule);
+  /// Before a coupling, one small message: have particles vanished? Throws where more have than most_lost (negative: any
+  /// number may). Collective.
+  void look(Schedule& schedule, long long most_lost) const;
   /// The coupling begins.
   void begin_coupling();
   /// Between its fluid steps, so many of which are this share of the interval: progress, and signals that can't wait for
@@ -43,7 +44,8 @@ class RunWatch {
   void look_within(int steps, double share, double time);
   /// What the last coupling's report should not go on without.
   void look(const Report& report, int steps);
-  void tell_progress(long long done, double time);
+  /// After a coupling, `done` steps into the run: on screen and in status.json, where it is time.
+  void tell_progress(long long done, const Report& report, Schedule& schedule);
 
  private:
   LAMMPS_NS::LAMMPS& lammps_;

@@ -19,6 +19,7 @@
 #include "cfd/parallel/ranks.h"
 #include "liggghts_fixes/fix_twogrid.h"
 #include "liggghts_fixes/liggghts/old_output.h"
+#include "liggghts_fixes/report/status.h"
 #include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/style_registry.h"
 
@@ -114,6 +115,18 @@ CheckpointPlan Session::plan() const {
   return {};
 }
 
+/// A run in status.json, from its beginning to its end, however it ends.
+class StatusOfRun {
+ public:
+  StatusOfRun(const RunRequest& r, const Update& update) : update_(update) {
+    Status::of_process().begin_run(update.ntimestep, r.begin, r.end);
+  }
+  ~StatusOfRun() { Status::of_process().end_run(update_.ntimestep); }
+
+ private:
+  const Update& update_;
+};
+
 void Session::run_command(const Command& words) {
   let_runs_end(lammps_, early_end_);
   std::optional<RunRequest> request = run_request(words, lammps_.update->ntimestep, lammps_.update->dt);
@@ -129,6 +142,7 @@ long long Session::part_to(const RunRequest& r, long long step) const {
 
 void Session::run_parts(const Command& words, const RunRequest& r) {
   Update& update = *lammps_.update;
+  const StatusOfRun status(r, update);
   bool set_up = r.pre;
   early_end_.set_interval(plan().seconds);
   for (bool first = true; first || update.ntimestep < r.end; first = false) {
@@ -191,6 +205,7 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
     throw;
   }
   early_end_.checkpoint_written();
+  Status::of_process().checkpoint(path, lammps_.update->ntimestep);
   const int signal = early_end_.signal();
   say("twogrid: checkpoint " + path +
       (signal != 0 ? ", ended by signal " + std::to_string(signal) + ": -restart goes on from it\n" : "\n"));

@@ -247,6 +247,11 @@ std::string checkpoint_text(const Script& script) {
   return s.empty() || s[0] != ' ' ? s : s.substr(1);
 }
 
+void parse_most_lost(const Line& line) {
+  line.script.most_lost =
+      line.words.take_if("off") ? -1 : line.words.whole(line.keyword, "a number of particles, at least 0, or off", 0);
+}
+
 // ---- flow and steps ------------------------------------------------------------------------------------------------
 
 void parse_flow_rate(const Line& line) {
@@ -360,6 +365,9 @@ std::vector<Keyword> make_rows() {
        "FILE, "
        "before the first",
        "", "all that a run needs to go on, see Restart", "none; K 2", "", parse_checkpoint, checkpoint_text, nullptr,
+       false, true},
+      {"most_lost", "N, or `off`", "", "a run ends when more than N particles have vanished from it", "off", "",
+       parse_most_lost, [](const Script& s) { return s.most_lost < 0 ? "" : std::to_string(s.most_lost); }, nullptr,
        false, true},
       {"model", "NAME keyword value ...", "", "", "none", "", parse_model, nullptr, nullptr, false, true}};
   std::vector<std::string> names;

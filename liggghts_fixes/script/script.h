@@ -40,6 +40,7 @@ struct Script {
   bool every_auto = false;
   std::string checkpoint_read, checkpoint_write;  ///< files; empty: not asked for
   CheckpointPlan checkpoints;
+  long long most_lost = -1;          ///< particles that may vanish before the run ends; -1: any number
   std::array<bool, 6> side_given{};  ///< the whole side's condition was stated
   std::array<std::vector<ConditionNames>, 6> names;
 };

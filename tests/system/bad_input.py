@@ -5,7 +5,7 @@
 
 Every script below is the same small scene, which runs, with one thing wrong. Wanted of each: a non-zero exit code within
 5 s, one line that begins with ERROR (on screen, all ranks together), in it the words listed with the script (the keyword,
-the value found, the remedy), and no file left but the log.
+the value found, the remedy), and no file left but the log and its status.
 
 What would pass falsely without it: a mistake that is taken as something else and simulated; an error that only one rank
 sees, so that the others hang; a sentence that names neither the keyword nor the value; an output file begun before the
@@ -106,6 +106,7 @@ wrong("unknown keyword of fix_modify", ["colour", "unknown", "drag"], modify="co
 wrong("unknown drag law", ["drag", "newton", "ergun/wenyu"], modify="drag newton")
 wrong("formulation C", ["formulation", "C", "A or B"], modify="formulation C")
 wrong("eps bound above 1", ["eps bound", "1.4"], modify="eps bound move 1.4")
+wrong("fewer than no particles lost", ["most_lost", "-1", "at least 0"], modify="most_lost -1")
 wrong("a model", ["model", "turbulence"], modify="model turbulence k-omega")
 wrong("unknown side", ["boundary", "top", "zhi"], modify="boundary top slip")
 wrong("unknown condition", ["boundary xlo", "sticky", "noslip"], modify="boundary xlo sticky")
@@ -192,7 +193,7 @@ def judge(code, out, seconds, words, folder):
         found.append("%d lines begin with ERROR" % len(errors))
     else:
         found += ["the sentence lacks '%s'" % w for w in words if w not in errors[0]]
-    left = sorted(set(os.listdir(folder)) - {"in.scene", "two.spheres", "log.scene"})
+    left = sorted(set(os.listdir(folder)) - {"in.scene", "two.spheres", "log.scene", "scene.status.json"})
     if left:
         found.append("left " + ", ".join(left))
     return found, errors

@@ -3,6 +3,8 @@
 // warning at every coupling, or one never again however bad it gets; a remedy that asks for what is there already.
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "liggghts_fixes/report/coupling_watch.h"
 
 namespace twogrid {
@@ -21,8 +23,13 @@ bool has(const std::string& sentence, const std::string& part) {
   return sentence.find(part) != std::string::npos;
 }
 
+CouplingWatch watch(EpsBound bound, double eps_min) {
+  Settings s;
+  s.bound = bound, s.eps_min = eps_min;
+  return CouplingWatch(s);
+}
 CouplingWatch move_03() {
-  return CouplingWatch(EpsBound::kMove, 0.3);
+  return watch(EpsBound::kMove, 0.3);
 }
 
 TEST(CouplingWatch, SilentWhereAllIsRight) {
@@ -50,7 +57,7 @@ TEST(CouplingWatch, EachFigureWithItsOwnSentence) {
   const auto one = [](void (*change)(Report&), EpsBound bound = EpsBound::kMove) {
     Report r = good();
     change(r);
-    const auto said = CouplingWatch(bound, 0.3).look(r, 10, 1e-5);
+    const auto said = watch(bound, 0.3).look(r, 10, 1e-5);
     EXPECT_EQ(said.size(), 1u);
     return said.empty() ? std::string() : said[0];
   };
@@ -87,6 +94,37 @@ TEST(CouplingWatch, TravelNamesWhatCanBeLowered) {
   EXPECT_TRUE(has(remedy(0.6, 1), "ratio"));
   // The first deposit is no interval.
   EXPECT_EQ(remedy(0.6, 0), "");
+}
+
+TEST(CouplingWatch, CourantNumberWithDt) {
+  Settings s;
+  s.fluid.dt = 1e-4;
+  Report r = good();
+  const auto look = [&](double cfl, CouplingWatch w) {
+    r.cfl = cfl;
+    return w.look(r, 10, 1e-5);
+  };
+  EXPECT_TRUE(look(1, CouplingWatch(s)).empty());
+  const auto said = look(8, CouplingWatch(s));
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_TRUE(has(said[0], "lower 'dt' to 5e-06 s")) << said[0];  // 0.4 of 1e-4 s/8
+  EXPECT_THROW(look(1001, CouplingWatch(s)), std::runtime_error);
+  EXPECT_TRUE(look(1001, move_03()).empty());  // without dt the step follows cfl
+  s.fluid.convection = Convection::kNone;      // nothing to be unstable
+  EXPECT_TRUE(look(1001, CouplingWatch(s)).empty());
+}
+
+TEST(Losses, ToldAndLimited) {
+  Schedule schedule;
+  schedule.begin_run();
+  EXPECT_EQ(losses(schedule, 100, 5, 10), "");
+  EXPECT_TRUE(has(losses(schedule, 97, 5, 20), "3 particle(s) have vanished up to step 20"));
+  EXPECT_EQ(losses(schedule, 95, 5, 30), "");  // told again when more than doubled; the limit itself is allowed
+  EXPECT_THROW(losses(schedule, 94, 5, 40), std::runtime_error);
+  EXPECT_TRUE(has(losses(schedule, 10, -1, 50), "90 particle(s)"));
+  schedule.begin_run();  // between runs a script may delete what it likes
+  EXPECT_EQ(losses(schedule, 1, 90, 60), "");
+  EXPECT_THROW(losses(schedule, 0, 90, 70), std::runtime_error);
 }
 
 }  // namespace
