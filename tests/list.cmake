@@ -22,6 +22,9 @@ foreach(file ${UNIT_FILES})
   twogrid_test(NAME unit/${name} RANKS ${ranks} TIMEOUT 200 LABELS unit
                COMMAND $<TARGET_FILE:unit_tests> --gtest_filter=${filter})
 endforeach()
+# Mutated words, records and checkpoint files.
+add_test(NAME fuzz COMMAND fuzz --tries 2000)
+set_tests_properties(fuzz PROPERTIES TIMEOUT 120 LABELS unit)
 twogrid_test(NAME verification RANKS 1 TIMEOUT 900 LABELS verification COMMAND $<TARGET_FILE:verification_tests>)
 # The orders of convergence don't depend on the ranks; the flows do not either, to the solver's tolerance.
 twogrid_test(NAME verification_flows RANKS 2 4 TIMEOUT 400 LABELS verification

@@ -8,8 +8,6 @@
 #include <update.h>
 #include <variable.h>
 
-#include <cmath>
-
 #include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
@@ -40,9 +38,10 @@ Vec3 ScriptNames::velocity_now(int side, std::size_t condition) const {
     const std::string& patch = script_.settings.fluid.side[side][condition].name;
     const std::string keyword = "boundary " + std::string(kSideNames[side]) + (patch.empty() ? "" : " patch " + patch);
     u[d] = equal_style(v.variable[d], keyword);
-    if (!std::isfinite(u[d]))
+    if (!(u[d] >= kVelocities.least && u[d] <= kVelocities.most))
       refuse(keyword, "v_" + v.variable[d] + " = " + text(u[d]),
-             "a variable with a finite velocity (m/s) at all times");
+             "a variable with a finite velocity (m/s) at all times; " + text(kVelocities.least) + " to " +
+                 text(kVelocities.most));
   }
   return u;
 }

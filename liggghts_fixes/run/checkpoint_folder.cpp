@@ -37,6 +37,8 @@ std::string why() {
 }
 
 std::string content(const std::string& path) {
+  std::error_code e;
+  if (!fs::is_regular_file(path, e)) return "";  // others may have no end
   std::ifstream in(path, std::ios::binary);
   return std::string((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
 }
@@ -61,13 +63,15 @@ std::string written(const std::string& path, const std::string& text) {
   return failure;
 }
 
+constexpr long kMostNumber = 1000000000000000;  // the next can be counted
+
 /// -1: no checkpoint's name.
 long number_of(const std::string& name) {
   const std::size_t end = name.find("_step_");
   if (end == std::string::npos || end == 0) return -1;
   char* rest = nullptr;
   const long n = std::strtol(name.c_str(), &rest, 10);
-  if (rest != name.c_str() + end) return -1;
+  if (rest != name.c_str() + end || n > kMostNumber) return -1;
   std::strtoll(name.c_str() + end + 6, &rest, 10);
   return *rest == '\0' && name.size() > end + 6 ? n : -1;
 }
@@ -82,17 +86,25 @@ std::string damage(const std::string& path, std::string& record) {
   if (files == std::string::npos) return "its record is damaged";
   std::istringstream in(text.substr(files + 13, last - files - 13));
   std::size_t n = 0;
-  in >> n;
+  if (!(in >> n)) return "its record is damaged";
+  bool particles = false;
   for (std::size_t i = 0; i < n; ++i) {
     std::string name, sum;
     unsigned long long size = 0;
     in >> std::quoted(name) >> size >> sum;
     std::error_code e;
     const auto there = fs::file_size(path + "/" + name, e);
-    if (!in || e) return name + " is missing";
+    if (!in || name.empty() || name.find('/') != std::string::npos) return "its record is damaged";
+    if (e) return name + " is missing";
     if (there != size) return name + " has " + std::to_string(there) + " bytes in place of " + std::to_string(size);
-    if (file_checksum(path + "/" + name) != sum) return name + " is damaged: its checksum is another";
+    try {
+      if (file_checksum(path + "/" + name) != sum) return name + " is damaged: its checksum is another";
+    } catch (const std::exception& wrong) {
+      return wrong.what();
+    }
+    particles |= name == kParticlesFile;
   }
+  if (!particles) return "its record doesn't know the particles' file";
   record = text.substr(0, files + 1);
   return "";
 }

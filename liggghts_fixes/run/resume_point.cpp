@@ -13,6 +13,8 @@ namespace twogrid {
 namespace {
 
 constexpr int kFormat = 1;
+constexpr long long kMostSteps = 9000000000000000;  // and particles
+constexpr double kMostTime = 1e12;                  // s
 
 void put(std::ostream& out, const std::vector<std::string>& words) {
   out << ' ' << words.size();
@@ -22,38 +24,58 @@ void put(std::ostream& out, const std::vector<std::string>& words) {
 
 class Reader {
  public:
-  explicit Reader(const std::string& text) : in_(text) {}
+  explicit Reader(const std::string& text) : most_(text.size()), in_(text) {}
   void expect(const char* name) {
     std::string found;
     in_ >> found;
-    if (found != name) broken();
+    if (found != name) broken(std::string("no '") + name + "' in its place");
   }
   template <class T>
   T number() {
     T value{};
-    if (!(in_ >> value)) broken();
+    if (!(in_ >> value)) broken("no number in a place of one");
+    return value;
+  }
+  template <class T>
+  T number(const char* name, T least, T most) {
+    expect(name);
+    const T value = number<T>();
+    if (!(value >= least && value <= most)) broken(std::string(name) + " out of all range");
     return value;
   }
   std::string word() {
     std::string w;
-    if (!(in_ >> std::quoted(w))) broken();
+    if (!(in_ >> std::quoted(w))) broken("an end before its last word");
     return w;
   }
+  /// Of what is to come: a text of so many bytes can't hold more.
   std::size_t count() {
     const long long n = number<long long>();
-    if (n < 0 || n > 100000000) broken();
+    if (n < 0 || n > most_) broken("a count out of all range");
     return std::size_t(n);
   }
   std::vector<std::string> words() {
-    std::vector<std::string> w(count());
-    for (std::string& s : w) s = word();
+    std::vector<std::string> w;
+    for (std::size_t n = count(); n > 0; --n) w.push_back(word());
     return w;
+  }
+  /// least: words that each of them has.
+  std::vector<std::vector<std::string>> lists(const char* name, std::size_t least) {
+    expect(name);
+    std::vector<std::vector<std::string>> all;
+    for (std::size_t n = count(); n > 0; --n) {
+      all.push_back(words());
+      if (all.back().size() < least) broken(std::string(name) + " without words");
+    }
+    return all;
+  }
+  [[noreturn]] static void broken(const std::string& found) {
+    throw std::invalid_argument("-restart: found a record of a checkpoint with " + found +
+                                ", wanted one as twogrid writes it; name another checkpoint, or leave -restart out");
   }
 
  private:
-  [[noreturn]] static void broken() {
-    throw std::invalid_argument("a record of a checkpoint that can't be understood");
-  }
+  long long most_;
   std::istringstream in_;
 };
 
@@ -84,23 +106,27 @@ ResumePoint resume_point(const std::string& text) {
   Reader in(text);
   ResumePoint p;
   in.expect("format");
-  if (in.number<int>() != kFormat) throw std::invalid_argument("a record of another version of twogrid");
-  in.expect("step"), p.step = in.number<long long>();
-  in.expect("time"), p.time = in.number<double>();
-  in.expect("particles"), p.particles = in.number<long long>();
-  in.expect("variables"), p.variables.resize(in.count());
-  for (auto& v : p.variables) v = in.words();
-  in.expect("files"), p.files.resize(in.count());
-  for (OpenScript& f : p.files) f.name = in.word(), f.at = in.number<long>(), f.text = in.word();
+  if (in.number<int>() != kFormat) Reader::broken("a format of another version of twogrid");
+  p.step = in.number<long long>("step", 0, kMostSteps);
+  p.time = in.number<double>("time", -kMostTime, kMostTime);
+  p.particles = in.number<long long>("particles", 0, kMostSteps);
+  p.variables = in.lists("variables", 1);
+  in.expect("files");
+  for (std::size_t n = in.count(); n > 0; --n) {
+    OpenScript f;
+    f.name = in.word(), f.at = in.number<long>(), f.text = in.word();
+    if (f.at < 0) Reader::broken("a place before a script's beginning");
+    p.files.push_back(f);
+  }
   in.expect("line"), p.line = in.word();
   in.expect("pending"), p.pending = in.words();
   in.expect("jump_skip"), p.jump_skip = in.number<int>() != 0;
   in.expect("run"), p.run = in.words();
-  in.expect("begin"), p.begin = in.number<long long>();
-  in.expect("end"), p.end = in.number<long long>();
-  in.expect("done"), p.done.resize(in.count());
-  for (Command& c : p.done) c = in.words();
+  p.begin = in.number<long long>("begin", 0, kMostSteps);
+  p.end = in.number<long long>("end", 0, kMostSteps);
+  p.done = in.lists("done", 1);
   in.expect("complete");
+  if (!p.run.empty() && !(p.begin <= p.step && p.step <= p.end)) Reader::broken("a step outside its run");
   return p;
 }
 

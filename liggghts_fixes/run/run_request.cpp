@@ -9,10 +9,12 @@ namespace twogrid {
 
 namespace {
 
+constexpr long long kMostSteps = 9000000000000000;
+
 std::optional<long long> whole(const std::string& word) {
   char* end = nullptr;
   const long long n = std::strtoll(word.c_str(), &end, 10);
-  if (word.empty() || *end != '\0') return std::nullopt;
+  if (word.empty() || *end != '\0' || n < -kMostSteps || n > kMostSteps) return std::nullopt;
   return n;
 }
 
@@ -38,13 +40,13 @@ std::vector<std::string> RunRequest::words(long long step, long long to, bool se
 }
 
 std::optional<RunRequest> run_request(const std::vector<std::string>& words, long long step, double dt) {
-  if (words.size() < 2) return std::nullopt;
+  if (words.size() < 2 || step < 0 || step > kMostSteps) return std::nullopt;
   RunRequest r;
   std::optional<long long> n = whole(words[1]);
   if (words[0] == "run_time") {
     char* end = nullptr;
     const double t = std::strtod(words[1].c_str(), &end);
-    if (*end != '\0' || !(t >= 0) || !(dt > 0) || !(t / dt < 9e15)) return std::nullopt;
+    if (*end != '\0' || !(t >= 0) || !(dt > 0) || !(t / dt < double(kMostSteps))) return std::nullopt;
     n = (long long)(std::ceil(t / dt));
     // LIGGGHTS takes no steps for a rule here: with none it reads the time as a number of them.
     if (*n == 0) return std::nullopt;

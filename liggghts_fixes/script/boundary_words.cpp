@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 #include "liggghts_fixes/script/options.h"
@@ -33,16 +34,22 @@ ScriptedVelocity scripted_velocity(Words& words, const std::string& keyword) {
   for (int d = 0; d < 3; ++d) {
     const std::string& next = words.peek();
     if (next.rfind("v_", 0) == 0 && next.size() > 2) {
-      v.variable[d] = words.word(keyword, wanted).substr(2);
+      v.variable[d] = words.name(keyword, wanted).substr(2);
     } else {
-      v.number[d] = words.number(keyword, wanted);
+      v.number[d] = words.number(keyword, wanted, kVelocities);
     }
   }
   return v;
 }
 
+/// Not so for NaN.
+bool within(double value, const Range& range) {
+  return value >= range.least && value <= range.most;
+}
+
 std::vector<std::array<double, 2>> read_table(const std::string& keyword, const std::string& file) {
-  std::ifstream in(file);
+  std::error_code e;
+  std::ifstream in(std::filesystem::is_regular_file(file, e) ? file : "");  // others may have no end
   const std::string wanted = "a readable file of two columns, coordinate (m, ascending) and factor on the velocity";
   if (!in) refuse(keyword, file, wanted);
   std::vector<std::array<double, 2>> table;
@@ -56,7 +63,7 @@ std::vector<std::array<double, 2>> read_table(const std::string& keyword, const 
     row[0] = std::strtod(line.c_str(), &end);
     char* second = end;
     row[1] = std::strtod(second, &end);
-    if (end == second || !std::isfinite(row[0]) || !std::isfinite(row[1]) ||
+    if (end == second || !within(row[0], kCoordinates) || !within(row[1], kFactors) ||
         (!table.empty() && row[0] <= table.back()[0]))
       refuse(keyword, "the line '" + line + "' in " + file, wanted);
     table.push_back(row);
@@ -83,7 +90,7 @@ InletProfile profile(Words& words, const std::string& keyword, int normal, std::
     p.coordinate = words.one_of(keyword + " profile table", {"x", "y", "z"});
     if (p.coordinate == normal)
       refuse(keyword + " profile table", std::string(1, kAxis[normal]), "a direction in the plane of the side");
-    *file = words.word(keyword + " profile table", "a file name");
+    *file = words.name(keyword + " profile table", "a file name");
     p.table = read_table(keyword + " profile table", *file);
   }
   return p;
@@ -95,7 +102,7 @@ PatchShape patch_shape(Words& words, const std::string& keyword, std::string* re
   if (kind == 0) {
     shape.kind = PatchShape::Kind::kRectangle;
     const std::string wanted = "four bounds in m, lo hi lo hi in the side's two directions, each lo below its hi";
-    for (double& v : shape.value) v = words.number(keyword + " rect", wanted);
+    for (double& v : shape.value) v = words.number(keyword + " rect", wanted, kCoordinates);
     if (!(shape.value[0] < shape.value[1]) || !(shape.value[2] < shape.value[3]))
       refuse(
           keyword + " rect",
@@ -103,12 +110,14 @@ PatchShape patch_shape(Words& words, const std::string& keyword, std::string* re
           wanted);
   } else if (kind == 1) {
     shape.kind = PatchShape::Kind::kCircle;
-    shape.value[0] = words.number(keyword + " circle", "the centre's two coordinates (m) and a radius (m)");
-    shape.value[1] = words.number(keyword + " circle", "the centre's two coordinates (m) and a radius (m)");
-    shape.value[2] = words.positive(keyword + " circle", "a radius above 0 (m)");
+    shape.value[0] =
+        words.number(keyword + " circle", "the centre's two coordinates (m) and a radius (m)", kCoordinates);
+    shape.value[1] =
+        words.number(keyword + " circle", "the centre's two coordinates (m) and a radius (m)", kCoordinates);
+    shape.value[2] = words.number(keyword + " circle", "a radius above 0 (m)", kLengths);
   } else {
     shape.kind = PatchShape::Kind::kRegion;
-    *region = words.word(keyword + " region", "the id of a LIGGGHTS region");
+    *region = words.name(keyword + " region", "the id of a LIGGGHTS region");
   }
   return shape;
 }
@@ -170,7 +179,7 @@ void parse_boundary(Script& script, Words& words, bool started) {
   BoundaryCondition condition;
   ConditionNames names;
   if (words.take_if("patch")) {
-    condition.name = words.word(keyword + " patch", "a name and a shape: rect, circle or region");
+    condition.name = words.name(keyword + " patch", "a name and a shape: rect, circle or region");
     keyword += " patch " + condition.name;
     condition.shape = patch_shape(words, keyword, &names.region);
   }
@@ -188,7 +197,7 @@ void parse_boundary(Script& script, Words& words, bool started) {
       refuse(keyword + " noslip", std::string("a velocity normal to the wall (") + kAxis[n] + ")",
              "a wall that moves in its own plane, or an inlet");
   } else if (condition.kind == BoundaryKind::kPressure) {
-    condition.pressure = words.number(keyword + " pressure", "a dynamic pressure in Pa, e.g. pressure 0");
+    condition.pressure = words.number(keyword + " pressure", "a dynamic pressure in Pa, e.g. pressure 0", kPressures);
   } else if (condition.kind == BoundaryKind::kPeriodic && !condition.name.empty()) {
     refuse(keyword, "periodic", "slip, noslip, inlet or pressure on a patch (periodic is for a whole side)");
   }

@@ -32,6 +32,16 @@ void check_length(const std::string& keyword, const std::string& what, double le
                text(kLeast) + " of the smallest cell, " + text(narrowest) + " m");
 }
 
+/// Cells of such different widths are a slip, and widths overflow at last.
+void check_stretch(const Settings& s, int d) {
+  const double steps = s.stretch_symmetric[d] ? (s.fine[d] - 1) / 2 : s.fine[d] - 1;
+  if (steps * std::abs(std::log(s.stretch[d])) <= std::log(kMostStretch)) return;
+  refuse("stretch",
+         text(s.stretch[d]) + " over " + std::to_string(s.fine[d]) + " cells in " + kAxis[d] + ", the widest of them " +
+             brief(std::pow(10, steps * std::abs(std::log10(s.stretch[d])))) + " times as wide as the narrowest",
+         "a growth nearer to 1, that makes it at most " + brief(kMostStretch) + " times");
+}
+
 }  // namespace
 
 std::array<bool, 3> periodic_directions(const FluidSettings& fluid) {
@@ -71,6 +81,10 @@ void complete(Script& script, const BoxFacts& box) {
     const double lo = s.domain[2 * d], hi = s.domain[2 * d + 1];
     const double box_lo = box.bounds[2 * d], box_hi = box.bounds[2 * d + 1], slack = 1e-9 * (box_hi - box_lo);
     const std::string found = text(lo) + " to " + text(hi) + " in " + kAxis[d];
+    for (double x : {box_lo, box_hi, lo, hi})
+      if (!(x >= kCoordinates.least && x <= kCoordinates.most))
+        refuse("domain", found + ", box " + text(box_lo) + " to " + text(box_hi),
+               "coordinates in m, " + text(kCoordinates.least) + " to " + text(kCoordinates.most));
     if (!(lo < hi)) refuse("domain", found, "a lower bound below the upper one");
     // of its cells, volumes and squares are formed
     if (!((hi - lo) / s.fine[d] > 1e-50 && hi - lo < 1e50 && hi - lo > 1e-9 * std::max(std::abs(lo), std::abs(hi))))
@@ -116,6 +130,7 @@ void complete(Script& script, const BoxFacts& box) {
     if (s.stretch[d] != 1 && periodic)
       refuse("stretch", std::string("it in ") + kAxis[d] + ", which is periodic", "equal cells there");
   }
+  for (int d = 0; d < 3; ++d) check_stretch(s, d);
   const FineGrid grid = fine_grid(s, periodic_directions(f));
   f.check(grid);
   if (f.gap_friction && std::none_of(s.fine.begin(), s.fine.end(), [](int n) { return n == 1; }))

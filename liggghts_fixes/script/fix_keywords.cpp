@@ -17,9 +17,7 @@ void parse_stretch(const Line& line) {
   const std::string wanted = "a growth from cell to cell between 0.5 and 2, e.g. stretch x 1.05";
   const int d = line.words.one_of(line.keyword, {"x", "y", "z"});
   s.stretch_symmetric[d] = line.words.take_if("symmetric");
-  const std::string found = line.words.peek();
-  s.stretch[d] = line.positive(wanted);
-  if (s.stretch[d] < 0.5 || s.stretch[d] > 2) refuse(line.keyword, found, wanted);
+  s.stretch[d] = line.number(wanted, {0.5, 2});
 }
 
 std::string stretch_text(const Script& script) {
@@ -50,10 +48,10 @@ const std::vector<Keyword>& fix_keywords() {
        },
        [](const Script& s) { return three(s.settings.fine); }},
       {"density", "rho_f", "kg/m3", "", kRequired, "",
-       [](const Line& l) { l.fluid().density = l.positive("a fluid density above 0 (kg/m3)"); },
+       [](const Line& l) { l.fluid().density = l.number("a fluid density above 0 (kg/m3)", kDensities); },
        [](const Script& s) { return exact(s.settings.fluid.density); }},
       {"viscosity", "mu", "Pa s", "", kRequired, "",
-       [](const Line& l) { l.fluid().viscosity = l.positive("a dynamic viscosity above 0 (Pa s)"); },
+       [](const Line& l) { l.fluid().viscosity = l.number("a dynamic viscosity above 0 (Pa s)", kViscosities); },
        [](const Script& s) { return exact(s.settings.fluid.viscosity); }},
       {"every", "N or `auto`", "DEM steps",
        "to a coupling; `auto`: by cfl and half a response time of the particles, 1 to 100", kRequired, "",
@@ -71,7 +69,7 @@ const std::vector<Keyword>& fix_keywords() {
        [](const Script& s) { return three(s.settings.ratio); }},
       {"domain", "xlo xhi ylo yhi zlo zhi", "m", "where there is fluid, inside the box", "the box", "",
        [](const Line& l) {
-         for (double& x : l.settings().domain) x = l.number("six bounds in m, xlo xhi ylo yhi zlo zhi");
+         for (double& x : l.settings().domain) x = l.number("six bounds in m, xlo xhi ylo yhi zlo zhi", kCoordinates);
          l.script.domain_given = true;
        },
        domain_text},

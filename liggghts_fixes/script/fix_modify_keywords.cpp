@@ -57,9 +57,9 @@ Keyword choice(const std::string& words, const Options<E>& options, const std::s
 std::string three(const Vec3& v) {
   return exact(v[0]) + " " + exact(v[1]) + " " + exact(v[2]);
 }
-Vec3 three_numbers(const Line& line, const std::string& wanted) {
+Vec3 three_numbers(const Line& line, const std::string& wanted, const Range& range) {
   Vec3 v;
-  for (double& x : v) x = line.number(wanted);
+  for (double& x : v) x = line.number(wanted, range);
   return v;
 }
 
@@ -82,7 +82,7 @@ void parse_method(const Line& line) {
   const Method* method = find_method(name);
   if (!method) refuse(line.keyword, name, wanted);
   const double length =
-      method->length ? line.words.positive("method " + name, std::string("a ") + method->length) : 0.0;
+      method->length ? line.words.number("method " + name, std::string("a ") + method->length, kLengths) : 0.0;
   choose(*method, length, line.settings());
 }
 
@@ -113,15 +113,15 @@ std::string method_text(const Script& script) {
 void parse_deposit(const Line& line) {
   Settings& s = line.settings();
   s.deposit = take_option(line.words, line.keyword, kDeposits);
-  if (s.deposit == Deposit::kCube) s.cube_edge = line.words.positive("deposit cube", "an edge above 0 (m)");
+  if (s.deposit == Deposit::kCube) s.cube_edge = line.words.number("deposit cube", "an edge above 0 (m)", kLengths);
 }
 
 void parse_read(const Line& line) {
   Settings& s = line.settings();
   s.read = take_option(line.words, line.keyword, kReads);
-  if (s.read == Read::kKernel) s.kernel_width = line.words.positive("read kernel", "a full width above 0 (m)");
+  if (s.read == Read::kKernel) s.kernel_width = line.words.number("read kernel", "a full width above 0 (m)", kLengths);
   if (s.read != Read::kCube) return;
-  const double edge = line.words.positive("read cube", "an edge above 0 (m)");
+  const double edge = line.words.number("read cube", "an edge above 0 (m)", kLengths);
   if (s.deposit == Deposit::kCube && s.cube_edge != edge)
     refuse("read cube", text(edge), "the edge of deposit cube, " + text(s.cube_edge));
   s.cube_edge = edge;
@@ -130,9 +130,7 @@ void parse_read(const Line& line) {
 void parse_eps_bound(const Line& line) {
   Settings& s = line.settings();
   s.bound = take_option(line.words, line.keyword, kBounds);
-  const std::string found = line.words.peek(), wanted = "a smallest void fraction between 0 and 1";
-  s.eps_min = line.number(wanted);
-  if (!(s.eps_min > 0 && s.eps_min < 1)) refuse(line.keyword, found, wanted);
+  s.eps_min = line.number("a smallest void fraction between 0 and 1", kVoidFractions);
 }
 
 // ---- output --------------------------------------------------------------------------------------------------------
@@ -155,7 +153,7 @@ void parse_output(const Line& line) {
     if (words.take_if("every")) {
       out.every = words.whole("output every", "a whole number of DEM steps, at least 1", 1);
     } else if (!started && words.take_if("file")) {
-      out.file = words.word("output file", "a file name");
+      out.file = words.name("output file", "a file name");
     } else if (!started && words.take_if("fields")) {
       out.fields.clear();
       while (std::find(kFields.begin(), kFields.end(), words.peek()) != kFields.end())
@@ -169,8 +167,7 @@ void parse_output(const Line& line) {
       out.many_legs = words.one_of("output legs", {"one", "many"}) == 1;
     } else if (!started && words.take_if("average")) {
       words.one_of("output average", {"from"});
-      out.average_from = words.number("output average from", "a time in s, at least 0");
-      if (out.average_from < 0) refuse("output average from", text(out.average_from), "a time in s, at least 0");
+      out.average_from = words.number("output average from", "a time in s, at least 0", kTimes);
     } else {
       break;
     }
@@ -201,40 +198,46 @@ std::string output_text(const Script& script) {
 void parse_checkpoint_times(const Line& line, CheckpointPlan& plan) {
   const std::string wanted = "a number of DEM steps, or a time as in 'every 30 min' or 'every 2 h'";
   const std::string found = line.words.peek();
-  const double number = line.words.positive("checkpoint every", wanted);
+  const double number = line.words.number("checkpoint every", wanted, {0, 1e15});
+  const std::string unit = line.words.peek();
   plan.every = 0, plan.seconds = 0;
-  if (line.words.take_if("min")) {
-    plan.seconds = 60 * number;
-  } else if (line.words.take_if("h")) {
-    plan.seconds = 3600 * number;
+  if (line.words.take_if("min") || line.words.take_if("h")) {
+    plan.seconds = (unit == "h" ? 3600 : 60) * number;
+    if (!(plan.seconds >= kCheckpointTimes.least && plan.seconds <= kCheckpointTimes.most))
+      refuse("checkpoint every", found + " " + unit,
+             "a time of " + text(kCheckpointTimes.least) + " to " + text(kCheckpointTimes.most) + " s");
   } else {
-    if (number != std::floor(number) || number > 1e15) refuse("checkpoint every", found, wanted);
+    if (number != std::floor(number) || number < 1) refuse("checkpoint every", found, wanted);
     plan.every = (long long)(number);
   }
 }
 
-void parse_checkpoint(const Line& line) {
+void parse_one_of_checkpoint(const Line& line) {
   CheckpointPlan& plan = line.script.checkpoints;
   switch (line.words.one_of("checkpoint", {"write", "read", "every", "folder", "keep"})) {
     case 0:
-      line.script.checkpoint_write = line.words.word("checkpoint write", "a file name");
+      line.script.checkpoint_write = line.words.name("checkpoint write", "a file name");
       break;
     case 1:
       if (line.started)
         refuse("checkpoint read", "it after a run with this fix", "it before the first run, after read_restart");
-      line.script.checkpoint_read = line.words.word("checkpoint read", "a file name");
+      line.script.checkpoint_read = line.words.name("checkpoint read", "a file name");
       break;
     case 2:
       parse_checkpoint_times(line, plan);
       break;
     case 3:
-      plan.folder = line.words.word("checkpoint folder", "a folder's name");
+      plan.folder = line.words.name("checkpoint folder", "a folder's name");
       break;
     default:
       plan.keep = line.words.whole("checkpoint keep", "a number of checkpoints, at least 1", 1);
   }
+}
+
+void parse_checkpoint(const Line& line) {
+  parse_one_of_checkpoint(line);
   while (line.words.next_is("every") || line.words.next_is("folder") || line.words.next_is("keep"))
-    parse_checkpoint(line);
+    parse_one_of_checkpoint(line);
 }
 
 std::string checkpoint_text(const Script& script) {
@@ -256,7 +259,7 @@ void parse_most_lost(const Line& line) {
 
 void parse_flow_rate(const Line& line) {
   const int d = line.words.one_of(line.keyword, {"x", "y", "z"});
-  line.fluid().flow_rate[d] = line.number("a mean superficial velocity in m/s");
+  line.fluid().flow_rate[d] = line.number("a mean superficial velocity in m/s", kVelocities);
   line.fluid().flow_rate_set[d] = true;
 }
 
@@ -269,24 +272,17 @@ std::string flow_rate_text(const Script& script) {
 }
 
 void parse_accuracy(const Line& line) {
-  const std::string found = line.words.peek(), wanted = "a relative error of the steps in time, 0.0001 to 0.5";
-  double& accuracy = line.settings().accuracy;
-  accuracy = line.number(wanted);
-  if (!(accuracy >= 1e-4 && accuracy <= 0.5)) refuse(line.keyword, found, wanted);
+  line.settings().accuracy = line.number("a relative error of the steps in time", {1e-4, 0.5});
 }
 
 void parse_cfl(const Line& line) {
   line.settings().cfl_given = true;
-  const std::string found = line.words.peek(), wanted = "a Courant number above 0 and at most 1";
-  line.fluid().cfl = line.positive(wanted);
-  if (line.fluid().cfl > 1) refuse(line.keyword, found, wanted);
+  line.fluid().cfl = line.number("a Courant number above 0 and at most 1", kCourantNumbers);
 }
 
 void parse_tolerance(const Line& line) {
   line.settings().tolerance_given = true;
-  const std::string found = line.words.peek(), wanted = "a relative continuity error above 0 and below 0.1";
-  line.fluid().pressure_rtol = line.positive(wanted);
-  if (line.fluid().pressure_rtol >= 0.1) refuse(line.keyword, found, wanted);
+  line.fluid().pressure_rtol = line.number("a relative continuity error above 0 and at most 0.1", kTolerances);
 }
 
 /// A number that is not set while it is 0.
@@ -329,20 +325,22 @@ std::vector<Keyword> make_rows() {
        "`slip`, or periodic where the box is", "", [](const Line& l) { parse_boundary(l.script, l.words, l.started); },
        boundary_text, nullptr, true, true},
       {"initial u", "ux uy uz", "m/s", "interstitial velocity at the beginning", "", "flow",
-       [](const Line& l) { l.fluid().initial_velocity = three_numbers(l, "three velocities in m/s"); },
+       [](const Line& l) { l.fluid().initial_velocity = three_numbers(l, "three velocities in m/s", kVelocities); },
        [](const Script& s) { return three(s.settings.fluid.initial_velocity); }},
       {"initial vortex", "U", "m/s", "Taylor-Green vortices in x and y over the domain, on top of `initial u`", "",
-       "flow", [](const Line& l) { l.fluid().initial_vortex = l.number("a velocity in m/s"); },
+       "flow", [](const Line& l) { l.fluid().initial_vortex = l.number("a velocity in m/s", kVelocities); },
        [](const Script& s) { return exact(s.settings.fluid.initial_vortex); }},
       {"pressure_gradient", "px py pz", "Pa/m", "of the mean pressure, in periodic directions", "", "flow",
-       [](const Line& l) { l.fluid().pressure_gradient = three_numbers(l, "three gradients in Pa/m"); },
+       [](const Line& l) {
+         l.fluid().pressure_gradient = three_numbers(l, "three gradients in Pa/m", kPressureGradients);
+       },
        [](const Script& s) { return three(s.settings.fluid.pressure_gradient); }},
       {"flow_rate", "`x`, `y` or `z`, and the mean of eps u + eps_s v", "m/s", "in a periodic direction", "none",
        "flow", parse_flow_rate, flow_rate_text, nullptr, true},
       {"cfl", "X", "", "largest Courant number of a fluid step, up to 1 (0.6 with `convection central`)", "",
        "numerics", parse_cfl, [](const Script& s) { return exact(s.settings.fluid.cfl); }},
       {"dt", "X", "s", "largest fluid step; `cfl` is then not looked at", "as cfl and the coupling interval allow",
-       "numerics", [](const Line& l) { l.fluid().dt = l.positive("a largest fluid step above 0 (s)"); },
+       "numerics", [](const Line& l) { l.fluid().dt = l.number("a largest fluid step above 0 (s)", kFluidSteps); },
        [](const Script& s) { return unless_0(s.settings.fluid.dt); }},
       {"accuracy", "X, such as 0.01", "",
        "error wanted of the steps in time. Chooses cfl and solver tolerance (and the coupling interval with `every "

@@ -22,8 +22,7 @@ struct Line {
 
   Settings& settings() const { return script.settings; }
   FluidSettings& fluid() const { return script.settings.fluid; }
-  double number(const std::string& wanted) const { return words.number(keyword, wanted); }
-  double positive(const std::string& wanted) const { return words.positive(keyword, wanted); }
+  double number(const std::string& wanted, const Range& range) const { return words.number(keyword, wanted, range); }
 };
 
 /// Default of keywords that must be given.

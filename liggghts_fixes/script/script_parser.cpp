@@ -17,7 +17,7 @@ Script parse_fix(const std::string& id, const std::vector<std::string>& all) {
   while (!words.end()) {
     const Keyword* row = take_keyword(fix_keywords(), words);
     if (!row)
-      throw std::invalid_argument("unknown keyword '" + words.peek() + "' in fix twogrid, wanted " +
+      throw std::invalid_argument("unknown keyword '" + shown(words.peek()) + "' in fix twogrid, wanted " +
                                   listed(fix_keywords()));
     if (!seen.insert(row->words).second && !row->parts) refuse(row->words, "it twice", "it once");
     take_values(*row, script, words, false);
@@ -43,7 +43,7 @@ void parse_fix_modify(Script& script, const std::vector<std::string>& all, bool 
   while (!words.end()) {
     const Keyword* row = take_keyword(fix_modify_keywords(), words);
     if (!row)
-      throw std::invalid_argument("unknown keyword '" + words.peek() + "' in fix_modify, wanted " +
+      throw std::invalid_argument("unknown keyword '" + shown(words.peek()) + "' in fix_modify, wanted " +
                                   listed(fix_modify_keywords()));
     take_values(*row, changed, words, started);
   }

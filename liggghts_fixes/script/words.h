@@ -5,10 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "liggghts_fixes/script/limits.h"
+
 namespace twogrid {
 
 /// "KEYWORD: found FOUND, wanted WANTED". Throws std::invalid_argument.
 [[noreturn]] void refuse(const std::string& keyword, const std::string& found, const std::string& wanted);
+
+/// What a sentence shows of a word that may be anything: one line, the beginning of what is very long.
+std::string shown(std::string word);
 
 /// Shortest decimal text of a number that a user would recognise.
 std::string text(double value);
@@ -29,8 +34,10 @@ class Words {
 
   /// Each takes the next word; keyword and wanted go into the sentence if it is missing or wrong.
   std::string word(const std::string& keyword, const std::string& wanted);
-  double number(const std::string& keyword, const std::string& wanted);
-  double positive(const std::string& keyword, const std::string& wanted);
+  /// Of a file, a variable, a patch ...: not empty, no control characters or blanks around it, at most 255 bytes between slashes.
+  std::string name(const std::string& keyword, const std::string& wanted);
+  /// A number of a quantity: from the least of the range to the most.
+  double number(const std::string& keyword, const std::string& wanted, const Range& range);
   int whole(const std::string& keyword, const std::string& wanted, int smallest);
   /// Index of the next word in the list of those allowed.
   int one_of(const std::string& keyword, const std::vector<std::string>& allowed);
@@ -43,6 +50,8 @@ class Words {
 
 /// The whole word as a finite number.
 bool is_number(const std::string& word, double* value);
+/// Whether a name could be one, see Words::name.
+bool is_name(const std::string& name);
 /// The words of a text, which blanks part.
 std::vector<std::string> split(const std::string& text);
 /// "a, b or c".
