@@ -4,6 +4,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "liggghts_fixes/script/words.h"
+
 namespace twogrid {
 namespace {
 
@@ -83,7 +85,7 @@ CommandLine split_command_line(const std::vector<std::string>& words) {
       if (i < words.size() && !is_switch(words[i])) c.petsc.push_back(words[i++]);
     } else {
       throw std::invalid_argument(
-          "command line: found " + name +
+          "command line: found " + shown(name) +
           ", wanted one of LIGGGHTS' switches (-in, -var, -log, -screen, -echo, ...) or a PETSc "
           "option (-fluid_pressure_..., -ksp_..., -log_view, ...)");
     }
