@@ -158,18 +158,19 @@ void FixTwogrid::build() {
   s.fluid.check_flow(grid);
   SceneFacts facts = scene_facts(*lmp, groupbit);
   facts.still = motion_.still;
-  if (!script_.checkpoint_read.empty())
-    read_beginning(grid);
-  else if (best_skin_option())
+  if (!script_.checkpoint_read.empty()) {
+    if (!beginning_) read_beginning();
+    check_scene(script_.checkpoint_read, *beginning_, s, grid);
+  } else if (best_skin_option()) {
     chosen_skin_ = choose_skin(*lmp, facts);
+  }
   if (script_.every_auto && script_.checkpoint_read.empty())
     s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
   if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
   schedule_ = Schedule(s.accuracy > 0 && script_.every_auto);
   accuracy_ = Accuracy(s.accuracy, s.every, script_.every_auto, s.fluid.cfl, !s.cfl_given && s.fluid.dt == 0);
 
-  const Layout layout =
-      restored_.known() ? Layout(grid, restored_.cuts, restored_.fluid_brick) : fluid_layout(*lmp, grid, s.ratio);
+  const Layout layout = this->layout(grid);
   for (int d = 0; d < 3; ++d) facts.fluid_bricks[d] = int(layout.cuts()[d].size()) - 1;
   fluid_ = std::make_unique<FluidSolver>(world, grid, layout, s.fluid);
   fluid_->watch_steps([this](int steps, double share) { watch_.look_within(steps, share, fluid_->time()); });
@@ -256,7 +257,6 @@ void FixTwogrid::refuse_without_set_up() const {
 void FixTwogrid::pre_initial_integrate() {
   guarded([&] {
     refuse_without_set_up();
-    if (random_) std::exchange(random_, nullptr)->restore(*lmp);
     if (!coupling_->resting()) return;
     Particles p = particles();
     coupling_->start(p, update->dt);

@@ -21,6 +21,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,7 +34,6 @@
 #include "coupling/output/output.h"
 #include "liggghts_fixes/liggghts/balance.h"
 #include "liggghts_fixes/liggghts/motion.h"
-#include "liggghts_fixes/liggghts/random_state.h"
 #include "liggghts_fixes/liggghts/script_names.h"
 #include "liggghts_fixes/report/run_times.h"
 #include "liggghts_fixes/run/run_watch.h"
@@ -46,6 +46,7 @@ class FixPropertyAtom;
 
 namespace twogrid {
 
+class RandomState;
 struct SceneFacts;
 
 class FixTwogrid : public LAMMPS_NS::Fix {
@@ -84,7 +85,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   /// Between runs: the fluid and all that the coupling has in hand, into an HDF5 file of this path, which is neither
   /// synced nor renamed. Collective. Throws with a sentence on all ranks.
   void write_checkpoint(const std::string& path);
-  /// Before the first run: it begins as the file says, which belongs to the particles that a restart file has brought.
+  /// Before the first run, when all fixes are there: it begins as the file says, which belongs to the particles that a
+  /// restart file has brought. These get their order and random numbers at once, so that commands may change them.
+  /// Collective.
   void go_on_from(const std::string& path);
 
  private:
@@ -95,8 +98,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void look_at_scene();
   void build();
   void open_output();
-  void read_beginning(const FineGrid& grid);
-  CheckpointParts checkpoint_parts();
+  void read_beginning();
+  Layout layout(const FineGrid& grid) const;
+  CheckpointParts checkpoint_parts(RandomState& random);
   Moment now() const;
   Beginning beginning() const;
   void refuse_without_state() const;
@@ -119,9 +123,8 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::unique_ptr<Coupling> coupling_;
   std::unique_ptr<Output> output_;  // null: none wanted
   Accuracy accuracy_;
-  RankParts restored_;                   // of a checkpoint of as many ranks, until particles are in their order
-  std::unique_ptr<RandomState> random_;  // of the same, until the first step
-  std::unique_ptr<Balance> balance_;     // null: not wanted
+  std::optional<Beginning> beginning_;  // of a checkpoint, until the first run is set up
+  std::unique_ptr<Balance> balance_;    // null: not wanted
   bool balance_said_ = false;
 
   Schedule schedule_;

@@ -1,11 +1,14 @@
 // What fix twogrid does for checkpoints (coupling/checkpoint/checkpoint.h).
+#include <comm.h>
 #include <neighbor.h>
 #include <update.h>
 
 #include <utility>
 
 #include "liggghts_fixes/fix_twogrid.h"
+#include "liggghts_fixes/liggghts/box.h"
 #include "liggghts_fixes/liggghts/particle_columns.h"
+#include "liggghts_fixes/liggghts/random_state.h"
 #include "liggghts_fixes/liggghts/rank_parts.h"
 #include "liggghts_fixes/run/petsc_session.h"
 #include "liggghts_fixes/run/replay.h"
@@ -20,10 +23,10 @@ void FixTwogrid::refuse_without_state() const {
     refuse("checkpoint write", "it before the first run with this fix", "it after a run: there is nothing to keep yet");
 }
 
-CheckpointParts FixTwogrid::checkpoint_parts() {
-  std::vector<NumberList> numbers{numbers_of("watch", watch_.coupling())};
+CheckpointParts FixTwogrid::checkpoint_parts(RandomState& random) {
+  std::vector<NumberList> numbers{numbers_of("watch", watch_.coupling()), numbers_of("random", random)};
+  numbers.back().of_script = true;
   if (accuracy_.on()) numbers.push_back(numbers_of("accuracy", accuracy_));
-  if (random_) numbers.push_back(numbers_of("random", *random_)), numbers.back().of_script = true;
   if (balance_) numbers.push_back(numbers_of("balance", *balance_));
   return {world, script_.settings, *fluid_, *coupling_, schedule_.state(), output_.get(), std::move(numbers)};
 }
@@ -33,15 +36,14 @@ Moment FixTwogrid::now() const {
 }
 
 Beginning FixTwogrid::beginning() const {
-  return {script_.settings.every, chosen_skin_, rank_parts(*lmp)};
+  return {"", script_.settings.every, chosen_skin_, rank_parts(*lmp)};
 }
 
 void FixTwogrid::write_checkpoint(const std::string& path) {
   guarded([&] {
     refuse_without_state();
-    random_ = std::make_unique<RandomState>(*lmp);
-    write_plain_checkpoint(path, checkpoint_parts(), now(), beginning());
-    random_.reset();
+    RandomState random(*lmp);
+    write_plain_checkpoint(path, checkpoint_parts(random), now(), beginning());
   });
 }
 
@@ -49,18 +51,26 @@ void FixTwogrid::go_on_from(const std::string& path) {
   guarded([&] {
     if (fluid_) refuse("checkpoint read", "it after the first run with this fix", "it before");
     script_.checkpoint_read = path;
+    read_beginning();
+    if (beginning_->ranks.ordered) restore_order(*lmp, beginning_->ranks);
+    beginning_->ranks.ordered = false;
   });
 }
 
 /// What a checkpoint says before the fluid is made.
-void FixTwogrid::read_beginning(const FineGrid& grid) {
-  const Beginning then = twogrid::read_beginning(world, script_.checkpoint_read, script_.settings, grid, now());
-  if (script_.every_auto) script_.settings.every = then.every;
-  if (then.skin > 0) neighbor->skin = chosen_skin_ = then.skin;
-  const bool cuts = then.ranks.known() && (balance_option() || then.ranks.equal);
-  if (!cuts || !restore_borders(*lmp, then.ranks)) return;
-  restored_ = then.ranks;
-  random_ = std::make_unique<RandomState>(*lmp);
+void FixTwogrid::read_beginning() {
+  beginning_ = twogrid::read_beginning(world, script_.checkpoint_read, now());
+  if (script_.every_auto && beginning_->every > 0) script_.settings.every = beginning_->every;
+  if (beginning_->skin > 0) neighbor->skin = chosen_skin_ = beginning_->skin;
+  RankParts& ranks = beginning_->ranks;
+  const bool as_then = ranks.known() && (balance_option() || ranks.equal) && restore_borders(*lmp, ranks);
+  if (!as_then) ranks = RankParts{};
+}
+
+Layout FixTwogrid::layout(const FineGrid& grid) const {
+  const bool as_then = beginning_ && !beginning_->ranks.cuts[0].empty() && !fluid_bricks_option(comm->nprocs);
+  return as_then ? Layout(grid, beginning_->ranks.cuts, beginning_->ranks.fluid_brick)
+                 : fluid_layout(*lmp, grid, script_.settings.ratio);
 }
 
 /// fix_modify checkpoint write.
@@ -68,15 +78,17 @@ void FixTwogrid::keep_checkpoint() {
   const std::string path = std::exchange(script_.checkpoint_write, "");
   if (replaying()) return;
   refuse_without_state();
-  random_ = std::make_unique<RandomState>(*lmp);
-  twogrid::write_checkpoint(path, checkpoint_parts(), now(), beginning());
-  random_.reset();
+  RandomState random(*lmp);
+  twogrid::write_checkpoint(path, checkpoint_parts(random), now(), beginning());
   watch_.say("twogrid: the fluid of step " + std::to_string(update->ntimestep) + " is in " + path + "\n");
 }
 
 void FixTwogrid::read_checkpoint() {
   const std::string path = std::exchange(script_.checkpoint_read, "");
-  twogrid::read_checkpoint(path, checkpoint_parts());
+  RandomState random(*lmp);
+  twogrid::read_checkpoint(path, checkpoint_parts(random));
+  if (beginning_->ranks.known()) random.restore(*lmp);
+  beginning_.reset();
   if (accuracy_.on()) fluid_->limit_courant_number(accuracy_.cfl());
   watch_.say("twogrid: the fluid goes on from " + path + ", t = " + text(fluid_->time()) + " s\n");
 }
@@ -84,7 +96,7 @@ void FixTwogrid::read_checkpoint() {
 void FixTwogrid::setup_pre_exchange() {
   if (!update->setupflag) return;  // write_restart, write_data: nothing begins
   guarded([&] {
-    if (restored_.known()) restore_order(*lmp, std::exchange(restored_, {}));
+    if (beginning_ && beginning_->ranks.ordered) restore_order(*lmp, beginning_->ranks);
   });
   pre_exchange();
 }

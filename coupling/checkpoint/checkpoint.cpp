@@ -116,25 +116,29 @@ void write_ranks(MPI_Comm comm, const RankParts& parts, const Layout& layout, Hd
 }
 
 RankParts read_ranks(MPI_Comm comm, Hdf5File& file) {
-  const auto get = [&](const std::string& path) { return left_out(path) ? std::vector<double>{} : file.whole(path); };
+  const auto get = [&](const std::string& path) { return file.whole(path); };
   const std::size_t ranks = ranks_of(comm);
   const std::vector<double> particles = get("/ranks/particles"), bricks = get("/ranks/bricks"),
                             of_rank = get("/ranks/fluid_brick"), equal = get("/ranks/equal");
   RankParts parts;
   if (particles.size() != ranks || bricks.size() != 3 || of_rank.size() != 3 * ranks || equal.size() != 1) return parts;
+  if (left_out("/ranks/borders")) return parts;
   for (int d = 0; d < 3; ++d) {
-    const std::vector<double> cuts = get(kCuts[d]);
-    parts.cuts[d].assign(cuts.begin(), cuts.end());
     parts.borders[d] = get(kBorders[d]);
     parts.bricks[d] = int(bricks[d]);
   }
   parts.equal = equal[0] != 0;
+  for (int d = 0; d < 3 && !left_out("/ranks/layout"); ++d) {
+    const std::vector<double> cuts = get(kCuts[d]);
+    parts.cuts[d].assign(cuts.begin(), cuts.end());
+  }
   for (std::size_t r = 0; r < ranks; ++r)
     parts.fluid_brick.push_back({int(of_rank[3 * r]), int(of_rank[3 * r + 1]), int(of_rank[3 * r + 2])});
   if (left_out("/ranks/tags")) return parts;
   const Slab part = own_part(particles, rank_of(comm));
   parts.tags.resize(part.count[0]);
   file.read("/ranks/tags", part, parts.tags.data());
+  parts.ordered = true;
   return parts;
 }
 
@@ -204,8 +208,7 @@ void write_checkpoint(const std::string& path, const CheckpointParts& c, const M
                              "); give another path (fix_modify ID checkpoint write)");
 }
 
-Beginning read_beginning(MPI_Comm comm, const std::string& path, const Settings& settings, const FineGrid& grid,
-                         const Moment& now) {
+Beginning read_beginning(MPI_Comm comm, const std::string& path, const Moment& now) {
   // HDF5 is not shown a file that may be damaged.
   const std::string broken = from_rank_0(comm, rank_of(comm) == 0 ? broken_seal(path) : "");
   if (!broken.empty())
@@ -219,8 +222,6 @@ Beginning read_beginning(MPI_Comm comm, const std::string& path, const Settings&
   };
   if (file.whole_attribute("/record", "version") != std::vector<int>{kVersion})
     refuse_file(path, " of another version of twogrid", "one of this version");
-  const std::string there = file.text_attribute("/record", "scene"), here = scene(settings, grid);
-  if (there != here) refuse_file(path, " of another scene (" + there + ")", "one of this scene (" + here + ")");
   const auto moment = [](const Moment& m) {
     return "step " + std::to_string(m.step) + " with " + std::to_string(m.particles) + " particles";
   };
@@ -231,11 +232,18 @@ Beginning read_beginning(MPI_Comm comm, const std::string& path, const Settings&
                     ", those of the restart file that was read: write_restart and 'checkpoint write' belong "
                     "together, with no run between them");
   Beginning beginning;
-  beginning.every = int(number("every", settings.every));
+  beginning.scene = file.text_attribute("/record", "scene");
+  beginning.every = int(number("every", 0));
   beginning.skin = number("skin", 0);
   beginning.ranks = read_ranks(comm, file);
   file.close();
   return beginning;
+}
+
+void check_scene(const std::string& path, const Beginning& beginning, const Settings& settings, const FineGrid& grid) {
+  const std::string here = scene(settings, grid);
+  if (beginning.scene != here)
+    refuse_file(path, " of another scene (" + beginning.scene + ")", "one of this scene (" + here + ")");
 }
 
 void read_checkpoint(const std::string& path, const CheckpointParts& c) {

@@ -46,6 +46,7 @@ struct Moment {
 
 /// What must be known before fluid and coupling are made.
 struct Beginning {
+  std::string scene;  ///< in words; read only
   int every = 0;
   double skin = 0;  ///< of the neighbour lists, where it was chosen (m); 0: the script's
   RankParts ranks;  ///< of as many ranks as there are now; else not known. Cuts and fluid_brick: written from the fluid
@@ -61,9 +62,10 @@ void write_checkpoint(const std::string& path, const CheckpointParts& parts, con
                       const Beginning& beginning);
 
 /// Throws std::runtime_error or std::invalid_argument with a sentence on all ranks where a checkpoint can't be read, is
-/// damaged, or belongs to another scene, step or set of particles. Collective.
-Beginning read_beginning(MPI_Comm comm, const std::string& path, const Settings& settings, const FineGrid& grid,
-                         const Moment& now);
+/// damaged, or belongs to another step or set of particles. Collective.
+Beginning read_beginning(MPI_Comm comm, const std::string& path, const Moment& now);
+/// Throws where it belongs to another scene. path: for the sentence.
+void check_scene(const std::string& path, const Beginning& beginning, const Settings& settings, const FineGrid& grid);
 /// In place of the first run's beginning, after read_beginning(): the parts are as they were when it was written.
 /// Collective. Throws likewise.
 void read_checkpoint(const std::string& path, const CheckpointParts& parts);

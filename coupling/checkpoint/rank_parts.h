@@ -15,6 +15,7 @@ struct RankParts {
   std::array<std::vector<double>, 3> borders;  ///< of the bricks: shares of the box, from 0 to 1
   std::array<std::vector<int>, 3> cuts;        ///< of the fluid's cells (Layout)
   std::vector<Int3> fluid_brick;               ///< of each rank
+  bool ordered = false;                        ///< whether tags are known:
   std::vector<int> tags;                       ///< of this rank's particles, in their order in memory
 
   bool known() const { return bricks[0] > 0; }

@@ -4,7 +4,8 @@
 
 namespace twogrid {
 
-/// What a step leaves to the next. A copy is a checkpoint; for_each_entry() walks it by name, as CouplingState's does.
+/// What a step leaves to the next. for_each_entry() walks by name what is kept
+/// between two runs, as CouplingState's does: `interval` is known anew at every coupling, `particles` in every run.
 struct ScheduleState {
   int steps = 0;                 // DEM steps that the particles have run since the last coupling
   double time = 0;               // of these steps (s)
@@ -17,8 +18,7 @@ struct ScheduleState {
   /// S: ScheduleState or const ScheduleState.
   template <class S, class F>
   static void for_each_entry(S& s, F&& f) {
-    f("steps", s.steps), f("time", s.time), f("interval", s.interval), f("next_frame", s.next_frame);
-    f("particles", s.particles), f("lost", s.lost), f("told", s.told);
+    f("steps", s.steps), f("time", s.time), f("next_frame", s.next_frame), f("lost", s.lost), f("told", s.told);
   }
 };
 

@@ -85,6 +85,9 @@ RandomState::RandomState(LAMMPS& lammps) {
 }
 
 void RandomState::restore(LAMMPS& lammps) const {
+  // Else they would find volumes and rates, by random points, in the next run's set-up.
+  for (int i = 0; i < lammps.modify->nfix; ++i)
+    if (auto* insert = dynamic_cast<FixInsert*>(lammps.modify->fix[i])) insert->init(), insert->setup(0);
   const auto find = [&](const std::string& name, double otherwise) {
     for (const auto& [known, value] : numbers_)
       if (known == plain(name)) return value;

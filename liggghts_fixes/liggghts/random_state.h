@@ -18,7 +18,7 @@ class RandomState {
   RandomState() = default;
   /// As it is now, of this rank.
   explicit RandomState(LAMMPS_NS::LAMMPS& lammps);
-  /// LIGGGHTS takes these numbers over. To be called when all fixes have been set up for their first run. Local.
+  /// LIGGGHTS takes these numbers over, when all its fixes are there. Collective.
   void restore(LAMMPS_NS::LAMMPS& lammps) const;
 
   /// f(name, entry): names from the IDs of regions and fixes. S: RandomState or const RandomState.

@@ -126,6 +126,7 @@ RankParts rank_parts(LAMMPS& lammps) {
     parts.borders[d].assign(split[d], split[d] + comm.procgrid[d] + 1);
   }
   parts.equal = comm.uniform != 0;
+  parts.ordered = true;
   parts.tags.assign(lammps.atom->tag, lammps.atom->tag + lammps.atom->nlocal);
   return parts;
 }

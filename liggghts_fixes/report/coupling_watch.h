@@ -30,11 +30,11 @@ class CouplingWatch {
   /// Throws std::runtime_error with a sentence where the Courant number is out of hand. After a coupling over `steps` DEM steps of dem_dt seconds; steps 0: the first deposit. Usually no sentence.
   std::vector<std::string> look(const Report& report, int steps, double dem_dt);
 
-  /// What has been told: f(name, entry). S: CouplingWatch or const CouplingWatch.
+  /// What has been told, but for errors, which are worth a second word: f(name, entry). S: CouplingWatch or const CouplingWatch.
   template <class S, class F>
   static void for_each_entry(S& s, F&& f) {
-    f("travel", s.travel_.at), f("moved", s.moved_.at), f("unplaced", s.unplaced_.at), f("volume", s.volume_.at);
-    f("momentum", s.momentum_.at), f("courant", s.courant_.at);
+    f("travel", s.travel_.at), f("moved", s.moved_.at), f("unplaced", s.unplaced_.at);
+    f("courant", s.courant_.at);
   }
 
  private:

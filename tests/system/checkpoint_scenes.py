@@ -7,12 +7,13 @@ Without this test the borders could begin as LIGGGHTS sets them and the particle
 summed in another order; steps could be chosen anew by the particles as they lie now; what `accuracy` has learned could be lost.
 Usage: checkpoint_scenes.py EXECUTABLE RANKS... [--long]
 """
+import re
 import sys
 
 import h5py
 import numpy as np
 
-from harness import Checks, Run, arguments, data_file
+from harness import MPIRUN, Checks, Run, arguments, data_file
 
 DT = 1e-5
 HEAD = """
@@ -71,7 +72,7 @@ BOX = "0 0.008 0 0.008 0 0.016"
 class Scene:
     """gas: keywords of fix twogrid, after them of fix_modify. other: lines of walls, meshes, insertion. steps: of the two runs."""
 
-    def __init__(self, gas, modify=BED, other="", box=BOX, fine="8 8 16", layers=8, boundary="p p f", steps=(205, 200), options=(), cut=None, plates=True, types=1):
+    def __init__(self, gas, modify=BED, other="", box=BOX, fine="8 8 16", layers=8, boundary="p p f", steps=(205, 200), options=(), cut=None, output=100, between="", speed=0.0):
         self.__dict__.update(locals())
 
     def script(self, create, ranks, name, middle):
@@ -81,7 +82,7 @@ class Scene:
 fix integrate all nve/sphere
 {self.other}fix gas all twogrid fine {self.fine} ratio 4 4 4 {self.gas}
 fix_modify gas {self.modify}
-fix_modify gas output every 100 file {name}.h5 fields u p eps faces
+fix_modify gas output every {self.output} file {name}.h5 fields u p eps faces
 thermo_style custom step atoms ke f_gas[1] f_gas[2] f_gas[3] f_gas[4] f_gas[5] f_gas[6] f_gas[7] f_gas[8] f_gas[9] f_gas[10] f_gas[11] f_gas[12] f_gas[13] f_gas[14] f_gas[15] f_gas[16]
 thermo_modify format float %.17g lost ignore
 thermo 5
@@ -97,14 +98,16 @@ run {self.steps[1]}
 
     def first(self, executable, ranks):
         x = self.particles()
-        v = np.random.default_rng(2).uniform(-0.05, 0.05, (len(x), 3))
+        v = np.random.default_rng(2).uniform(-0.05, 0.05, (len(x), 3)) + [0, 0, self.speed]
         data = data_file(self.box, x, 1e-3, 2500, v).replace("1 atom types", "2 atom types")
-        middle = f"run {self.steps[0]}\nwrite_restart half\nfix_modify gas checkpoint write half.h5\n"
-        return Run(executable, self.script("read_data particles.data", ranks, "one", middle), ranks, self.options, files={"particles.data": data, "plate.stl": PLATE})
+        middle = f"run {self.steps[0]}\nwrite_restart half\nfix_modify gas checkpoint write half.h5\n{self.between}"
+        return Run(executable, self.script("read_data particles.data", ranks, "one", middle), ranks, self.options,
+                   files={"particles.data": data, "plate.stl": PLATE}, launcher=MPIRUN if ranks > 1 else ())
 
-    def second(self, executable, ranks, before, middle="", expect_success=True):
-        middle = f"fix_modify gas checkpoint read {before.file('half.h5')}\n" + middle
-        return Run(executable, self.script(f"read_restart {before.file('half')}", ranks, "two", middle), ranks, self.options, files={"plate.stl": PLATE}, expect_success=expect_success)
+    def second(self, executable, ranks, before, middle="", expect_success=True, left_out=None):
+        middle = f"fix_modify gas checkpoint read {before.file('half.h5')}\n{self.between}" + middle
+        return Run(executable, self.script(f"read_restart {before.file('half')}", ranks, "two", middle), ranks, self.options, files={"plate.stl": PLATE}, expect_success=expect_success,
+                   environment={"TWOGRID_CHECKPOINT_LEAVE_OUT": left_out} if left_out else {}, launcher=MPIRUN if ranks > 1 else ())
 
 
 AIR, LIQUID = "density 1.2 viscosity 1.8e-5 every 10", "density 1000 viscosity 1e-3 every 10"
@@ -122,6 +125,11 @@ def fields(run, name):
         out = {}
         f["fluid"][last].visititems(lambda n, d: out.__setitem__(n, d[...]) if isinstance(d, h5py.Dataset) else None)
         return out
+
+
+def frame_steps(run, name):
+    with h5py.File(run.file(name + ".h5")) as f:
+        return [int(f["fluid"][k]["step"][()]) for k in sorted(f["fluid"])]
 
 
 def same(a, b):
@@ -145,7 +153,12 @@ def differences(scene, a, b):
         if not same(x, y):
             n = np.flatnonzero(x != y)[0] if x.shape == y.shape else 0
             out.append(f"{name} from step {t['Step'][n]:.0f}")
-    warnings = [[line for line in r.output.split("thermo")[-1].splitlines() if "WARNING" in line and "(step" in line] for r in (a, b)]
+    warned = [[line for line in r.output.splitlines() if (w := re.search(r"WARNING: fix gas.*\bstep (\d+)", line)) and int(w[1]) > scene.steps[0]] for r in (a, b)]
+    if warned[0] != warned[1]:
+        out.append("warnings")
+    frames = [[f for f in frame_steps(r, n) if f > scene.steps[0]] for r, n in ((a, "one"), (b, "two"))]
+    if frames[0] != frames[1] or frame_steps(b, "two")[0] <= scene.steps[0]:
+        out.append("frames")
     return out
 
 

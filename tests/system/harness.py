@@ -73,7 +73,7 @@ class Checks:
 class Run:
     """A finished run: its log, thermo table, dumps and output file in a scratch folder of its own."""
 
-    def __init__(self, executable, script, ranks=1, options=(), timeout=100, expect_success=True, files=None, launcher=MPIRUN):
+    def __init__(self, executable, script, ranks=1, options=(), timeout=100, expect_success=True, files=None, launcher=MPIRUN, environment=None):
         self.folder = tempfile.TemporaryDirectory(prefix="twogrid_test_")
         self.path = self.folder.name
         for name, text in (files or {}).items():
@@ -84,7 +84,7 @@ class Run:
         start = [*launcher, "-np", str(ranks)] if launcher else []  # none: one rank, without mpirun
         command = start + [os.path.abspath(executable), "-in", "in.test", *options]
         done = subprocess.run(command, cwd=self.path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
-                              timeout=timeout)
+                              timeout=timeout, env={**os.environ, **(environment or {})})
         self.output, self.code = done.stdout, done.returncode
         if expect_success and self.code != 0:
             print(self.output[-4000:])
