@@ -29,8 +29,8 @@ SCENES = {
     "warned": (1, Scene("density 1.2 viscosity 1.8e-5 every 30", "eps bound move 0.75 " + BED, steps=(65, 180), output=30, speed=-5.0)),
     "still": (1, Scene(AIR, BED, other="fix hold all freeze\n", steps=STEPS)),
     "accuracy": (1, Scene("density 1.2 viscosity 1.8e-5 every auto", BED + " accuracy 0.003", steps=(405, 400))),
-    "rate": (1, Scene(AIR, other=MESH + RATE, steps=STEPS)),
-    "packs": (2, Scene(AIR, other=PACK, steps=STEPS)),
+    "rate": (1, Scene(AIR, other=MESH + RATE, steps=(65, 120))),
+    "packs": (2, Scene(AIR, other=PACK, steps=(65, 120))),
     "borders": (2, Scene(AIR, box="0 0.0026 0 0.0026 0 0.128", fine="4 4 64", layers=24, cut={2: "1 1 2"}, steps=STEPS)),
 }
 

@@ -120,10 +120,12 @@ SCENES = {
 
 
 def fields(run, name):
+    """By step."""
     with h5py.File(run.file(name + ".h5")) as f:
-        last = sorted(f["fluid"])[-1]
         out = {}
-        f["fluid"][last].visititems(lambda n, d: out.__setitem__(n, d[...]) if isinstance(d, h5py.Dataset) else None)
+        for frame in f["fluid"].values():
+            out[int(frame["step"][()])] = found = {}
+            frame.visititems(lambda n, d: found.__setitem__(n, d[...]) if isinstance(d, h5py.Dataset) and d.dtype == np.float64 else None)
         return out
 
 
@@ -145,7 +147,10 @@ def differences(scene, a, b):
         if one != two or "ITEM" not in one:
             out.append(f"particles at step {step}")
     one, two = fields(a, "one"), fields(b, "two")
-    out += [f"fluid {k}" for k in sorted(set(one) | set(two)) if k not in one or k not in two or not same(one[k], two[k])]
+    for at in sorted(two, reverse=True):
+        x, y = one.get(at, {}), two[at]
+        differ = [f"fluid {k} at {at}" for k in sorted(set(x) | set(y)) if k not in x or k not in y or not same(x[k], y[k])]
+        out += differ if at == max(two) else differ[:1]
     s, t = a.thermo(), b.thermo()
     first = np.flatnonzero(s["Step"] == scene.steps[0])[-1]
     for name in s:
@@ -157,7 +162,7 @@ def differences(scene, a, b):
     if warned[0] != warned[1]:
         out.append("warnings")
     frames = [[f for f in frame_steps(r, n) if f > scene.steps[0]] for r, n in ((a, "one"), (b, "two"))]
-    if frames[0] != frames[1] or frame_steps(b, "two")[0] <= scene.steps[0]:
+    if frames[0] != frames[1]:
         out.append("frames")
     return out
 
