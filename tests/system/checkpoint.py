@@ -113,12 +113,16 @@ def main():
                                              ("an output file", lambda s: s, "one.h5", "no checkpoint"),
                                              ("a restart file", lambda s: s, "half", "no checkpoint"),
                                              ("a file cut short", lambda s: s, "cut.h5", "cut.h5"),
+                                             ("one bit flipped", lambda s: s, "flipped.h5", "is damaged"),
                                              ("no restart file", lambda s: re.sub(r"read_restart \S+", f"read_data {a.file('particles.data')}", s).replace("fix gas all", "reset_timestep 205\nfix gas all"), "half.h5", "read_restart in place"),
                                              ("another ID", lambda s: s.replace("gas ", "air ").replace("f_gas", "f_air"), "half.h5", "read_restart in place"),
                                              ("of a later step", lambda s: s, "late.h5", "of step 400 with 288 particles, wanted one of step 205")):
         with open(a.file("half.h5"), "rb") as whole, open(a.file("cut.h5"), "wb") as cut:
             data = whole.read()
             cut.write(data[:len(data) * 2 // 3])
+        with open(a.file("flipped.h5"), "wb") as flipped:
+            at = len(data) * 2 // 3
+            flipped.write(data[:at] + bytes([data[at] ^ 16]) + data[at + 1:])
         b = second(executable, ranks[-1], a, scene, checkpoint, change, False)
         sentence = next((line for line in b.output.splitlines() if line.startswith("ERROR")), "none")
         c.true(f"{what}: {sentence[:150]}", b.code != 0 and wanted in sentence)

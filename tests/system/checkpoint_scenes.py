@@ -115,7 +115,7 @@ SCENES = {
     "two types, thrown in at a rate, plate": Scene(AIR, other=MESH + RATE),
     "packs, formulation A": Scene(AIR, BED + " formulation A", other=PACK),
     "borders that move": Scene(AIR, other="", box="0 0.0026 0 0.0026 0 0.128", fine="4 4 64", layers=24, cut={2: "1 1 2", 4: "1 1 4"}),
-    "accuracy, every auto": Scene("density 1.2 viscosity 1.8e-5 every auto", BED + " accuracy 0.003", steps=(805, 600)),
+    "accuracy, every auto": Scene("density 1.2 viscosity 1.8e-5 every auto", BED + " accuracy 0.003", steps=(405, 400)),
 }
 
 
