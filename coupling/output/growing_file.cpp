@@ -62,11 +62,13 @@ void GrowingFile::failed(const std::string& what) {
   failure_ = what + (detail.empty() ? "" : ": " + detail);
 }
 
-void GrowingFile::group(const std::string& path) {
+void GrowingFile::group(const std::string& path, std::size_t names) {
   if (rank_ != 0) return;
   Quiet quiet;
   if (H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0) return;
-  Handle g(H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  if (names > 0) H5Pset_local_heap_size_hint(creation, names);
+  Handle g(H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose);
   if (g < 0) failed("group " + path);
 }
 

@@ -1,6 +1,6 @@
 // The output file: all ranks add to it together, time after time. Between the constructor and close() nothing of it that
 // was there can be seen to change; close() shows what is new. A process that is killed at any moment leaves a file that
-// can be read, with all that earlier close() calls have shown (held_writes.h). Only the means, which are written over, may
+// can be read, with all that earlier close() calls have shown (held_writes.h; for groups see group()). Only the means, which are written over, may
 // then be partly older and partly newer ones.
 //
 // Rank 0 speaks HDF5 and finds room for every dataset; all ranks put their parts there by MPI-IO.
@@ -31,7 +31,8 @@ class GrowingFile {
   GrowingFile& operator=(const GrowingFile&) = delete;
 
   // Values and names of rank 0 count. A dataset that exists already is written over, its extent must be the same.
-  void group(const std::string& path);
+  /// names: bytes that the names in it will take (8 a frame); up to there a kill within close() harms nothing.
+  void group(const std::string& path, std::size_t names = 0);
   void attribute(const std::string& object, const std::string& name, const std::string& value);
   void attribute(const std::string& object, const std::string& name, double value);
   void attribute(const std::string& object, const std::string& name, const std::vector<int>& value);

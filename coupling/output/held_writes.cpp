@@ -33,7 +33,8 @@ bool write_all(int f, const char* bytes, std::size_t count, off_t at) {
 }
 
 /// Order of commit: the file's length and then names first, which nothing names yet; then the tables from the top down. A
-/// table that HDF5 has split is met by its parent before its second half is taken out of it.
+/// table that HDF5 has split is met by its parent before its second half is taken out of it. A group's names and what tells
+/// of the room among them must not be parted: they are one write as long as the names have the room they were made with.
 int turn(unsigned long long at, const std::string& bytes) {
   if (at == 0) return 0;
   if (bytes.compare(0, 4, "HEAP") == 0) return 1;
@@ -43,6 +44,9 @@ int turn(unsigned long long at, const std::string& bytes) {
 }
 
 }  // namespace
+
+int HeldWrites::killed_after = -1;
+int HeldWrites::writes = 0;
 
 struct HeldWrites::Driver {
   H5FD_t head;  // HDF5's; must be the first
@@ -68,7 +72,6 @@ struct HeldWrites::Driver {
   }
   static herr_t close(H5FD_t* f) {
     Driver* d = of(f);
-    if (d->held) d->held->size_ = d->end;
     const int done = ::close(d->file);
     delete d;
     return done == 0 ? 0 : -1;
@@ -80,7 +83,9 @@ struct HeldWrites::Driver {
   }
   static haddr_t get_eoa(const H5FD_t* f, H5FD_mem_t) { return of(f)->end; }
   static herr_t set_eoa(H5FD_t* f, H5FD_mem_t, haddr_t end) {
-    of(f)->end = end;
+    Driver* d = of(f);
+    d->end = end;
+    if (d->held) d->held->size_ = end;
     return 0;
   }
   static haddr_t get_eof(const H5FD_t* f, H5FD_mem_t) {
@@ -144,8 +149,7 @@ long HeldWrites::open(const std::string& path, bool create) {
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   const hid_t file = create ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
                             : H5Fopen(path.c_str(), H5F_ACC_RDWR, access);
-  haddr_t end = 0;
-  if (file >= 0 && !create) end_ = H5Fget_eoa(file, &end) < 0 ? kAll : end;
+  if (file >= 0 && !create) end_ = size_;
   return file;
 }
 
@@ -183,18 +187,20 @@ void HeldWrites::show(unsigned long long at, char* bytes, std::size_t count) con
 std::string HeldWrites::commit() {
   const int f = ::open(path_.c_str(), O_RDWR | O_CLOEXEC);
   if (f < 0) return std::strerror(errno);
-  std::vector<std::pair<unsigned long long, std::string>> writes(held_.begin(), held_.end());
-  std::stable_sort(writes.begin(), writes.end(),
+  std::vector<std::pair<unsigned long long, std::string>> all(held_.begin(), held_.end());
+  std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return turn(a.first, a.second) < turn(b.first, b.second); });
   // The file may not be shorter than it says.
   struct stat s;
   bool good = fstat(f, &s) == 0 && ((unsigned long long)(s.st_size) >= size_ || ftruncate(f, off_t(size_)) == 0);
-  for (const auto& [at, bytes] : writes) good = good && write_all(f, bytes.data(), bytes.size(), off_t(at));
-  good = good && ftruncate(f, off_t(size_)) == 0;
+  int left = killed_after < 0 ? int(all.size()) : killed_after;
+  for (const auto& [at, bytes] : all)
+    if (left-- > 0) good = good && write_all(f, bytes.data(), bytes.size(), off_t(at));
+  if (killed_after < 0) good = good && ftruncate(f, off_t(size_)) == 0;
   const std::string why = good ? "" : std::strerror(errno);
   ::close(f);
   held_.clear();
-  writes_ = int(writes.size());
+  HeldWrites::writes = int(all.size());
   return why;
 }
 

@@ -18,8 +18,10 @@ class HeldWrites {
   static long open_to_read(const std::string& path);
   /// After the handle is closed: writes what was held back, and gives the file its length. Empty: done; else why not.
   std::string commit();
-  /// Of the last commit.
-  int writes() const { return writes_; }
+  /// For tests: commit() comes to its end after so many of its writes, as if the process were killed there; negative: none.
+  static int killed_after;
+  /// Writes of the last commit().
+  static int writes;
 
   struct Driver;
 
@@ -31,7 +33,6 @@ class HeldWrites {
   unsigned long long end_ = 0;   // of the file as HDF5 knew it when it was opened: below it, writes are held
   unsigned long long size_ = 0;  // of the file now, as HDF5 knows it
   std::map<unsigned long long, std::string> held_;  // by address; they neither overlap nor touch
-  int writes_ = 0;
 };
 
 }  // namespace twogrid

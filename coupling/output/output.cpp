@@ -22,6 +22,8 @@ namespace twogrid {
 
 namespace {
 
+constexpr std::size_t kNames = 32768;  // room for the names of 4000 frames
+
 void check_fields(const std::vector<std::string>& wanted, const Fluid& fluid) {
   std::vector<std::string> known = output_fields();
   for (const ModelField& f : fluid.model_fields()) known.push_back(f.name);
@@ -184,8 +186,8 @@ void Output::Impl::create(const WhereToWrite& where, long step) {
     write_record(file, comm_, all_settings_, fluid_, coarse_, record_, id());
     if (where.leg > 0) write_leg(file, comm_, record_, where.leg, step);
     if (settings_.every > 0) {
-      file.group("/fluid");
-      if (settings_.particles) file.group("/particles");
+      file.group("/fluid", kNames);
+      if (settings_.particles) file.group("/particles", kNames);
     }
     file.close();
     on_rank_0(comm_, [&] {
@@ -209,11 +211,11 @@ void Output::Impl::go_on(const WhereToWrite& where, long step) {
   }
   const bool has_means = averages_ && averages_->weight() > 0;
   if (where.means && has_means) means_written_ = averages_->weight();  // there is room
-  GrowingFile file(comm_, file_, false, 65536 + (has_means ? room_for_means() : 0));
+  GrowingFile file(comm_, file_, false, 262144 + (has_means ? room_for_means() : 0));
   write_leg(file, comm_, record_, where.leg, step);
   if (settings_.every > 0) {
-    file.group("/fluid");
-    if (settings_.particles) file.group("/particles");
+    file.group("/fluid", kNames);
+    if (settings_.particles) file.group("/particles", kNames);
   }
   // Those of the checkpoint, not later ones.
   if (where.means && !has_means) file.remove("/average");

@@ -42,7 +42,7 @@ std::string now() {
 
 double bytes_of_record(const Record& record, const Fluid& fluid) {
   const Int3& n = fluid.grid().n();
-  return 131072 + 16 * (n[0] + n[1] + n[2] + 3.0) + double(record.input_text.size() + record.command_line.size());
+  return 262144 + 16 * (n[0] + n[1] + n[2] + 3.0) + double(record.input_text.size() + record.command_line.size());
 }
 
 void write_record(GrowingFile& file, MPI_Comm comm, const Settings& s, const Fluid& fluid, const ParticleGrid& coarse,

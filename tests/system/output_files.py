@@ -245,7 +245,7 @@ def main():
         goes_on(c, executable, n)
     never_destroyed(c, executable, ranks[-1])
     one_at_a_time(c, executable, ranks[-1])
-    kills(c, executable, ranks[-1], 200 if "--long" in sys.argv else 10)
+    kills(c, executable, ranks[-1], 200 if "--long" in sys.argv else 8)
     c.end()
 
 
