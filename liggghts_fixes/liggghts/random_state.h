@@ -1,7 +1,10 @@
 // What LIGGGHTS' restart files lack of insertion: the random numbers of regions, and of fixes insert/..., particletemplate
 // and particledistribution on all ranks but the first; the volume of a region as insert/pack and insert/rate/region have
-// found it by random points. With it insertion goes on with the same particles at the same places.
+// found it by random points; steps and numbers of an insertion that is done, which LIGGGHTS takes for one to begin. With
+// it insertion goes on with the same particles at the same places.
 #pragma once
+
+#include <mpi.h>
 
 #include <list>
 #include <string>
@@ -18,6 +21,10 @@ class RandomState {
   RandomState() = default;
   /// As it is now, of this rank.
   explicit RandomState(LAMMPS_NS::LAMMPS& lammps);
+  /// From text(), for this rank. Of another number of ranks: steps and numbers only.
+  RandomState(const std::string& text, int rank, int ranks);
+  /// Of all ranks, on rank 0. Collective.
+  std::string text(MPI_Comm comm) const;
   /// LIGGGHTS takes these numbers over, when all its fixes are there. Collective.
   void restore(LAMMPS_NS::LAMMPS& lammps) const;
 

@@ -1,5 +1,7 @@
 #include "liggghts_fixes/liggghts/restart_file.h"
 
+#include <atom.h>
+#include <fix.h>
 #include <lammps.h>
 #include <modify.h>
 
@@ -15,6 +17,8 @@ namespace {
 /// What Modify keeps of a restart file's fixes.
 struct Restarted : Modify {
   static char** ids(Modify& m) { return m.*&Restarted::id_restart_global; }
+  static char** particle_ids(Modify& m) { return m.*&Restarted::id_restart_peratom; }
+  static int* places(Modify& m) { return m.*&Restarted::index_restart_peratom; }
   static char** states(Modify& m) { return m.*&Restarted::state_restart_global; }
 };
 
@@ -58,6 +62,15 @@ void check_restarted(bool restarted, const std::string& checkpoint) {
       "checkpoint read: found particles that this fix has no restart file's columns of, wanted "
       "those of the restart file written beside " +
       checkpoint + ": read_restart in place of the box, and the fix by the ID that it had");
+}
+
+void take_columns_again(LAMMPS& lammps) {
+  Modify& modify = *lammps.modify;
+  for (int k = 0; k < modify.nfix_restart_peratom; ++k) {
+    const int f = modify.find_fix(Restarted::particle_ids(modify)[k]);
+    if (f < 0 || std::strcmp(modify.fix[f]->style, "property/atom") != 0) continue;
+    for (int i = 0; i < lammps.atom->nlocal; ++i) modify.fix[f]->unpack_restart(i, Restarted::places(modify)[k]);
+  }
 }
 
 }  // namespace twogrid

@@ -18,4 +18,8 @@ void check_restarted(bool restarted, const std::string& checkpoint);
 /// The ID of a fix twogrid whose state it holds; empty: of none.
 std::string id_in_restart(LAMMPS_NS::LAMMPS& lammps);
 
+/// Before the first run: what it holds of the particles for fixes property/atom goes to them once more. LIGGGHTS changes
+/// some of it when it makes other fixes (insert/stream counts the steps anew up to which its particles are led).
+void take_columns_again(LAMMPS_NS::LAMMPS& lammps);
+
 }  // namespace twogrid

@@ -36,13 +36,6 @@ std::string why() {
   return std::strerror(errno);
 }
 
-std::string content(const std::string& path) {
-  std::error_code e;
-  if (!fs::is_regular_file(path, e)) return "";  // others may have no end
-  std::ifstream in(path, std::ios::binary);
-  return std::string((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-}
-
 /// On the disk. Empty: done; else why not.
 std::string synced(const std::string& path, bool folder) {
   const int f = open(path.c_str(), folder ? O_RDONLY | O_DIRECTORY : O_RDONLY);
@@ -78,7 +71,7 @@ long number_of(const std::string& name) {
 
 /// Empty: whole; record is filled.
 std::string damage(const std::string& path, std::string& record) {
-  const std::string text = content(path + "/" + kRecord);
+  const std::string text = CheckpointFolder::content(path + "/" + kRecord);
   const std::size_t last = text.rfind("checksum ");
   if (last == std::string::npos || text.substr(last) != "checksum " + text_checksum(text.substr(0, last)) + "\n")
     return "its record is missing or damaged";
@@ -168,6 +161,18 @@ std::string CheckpointFolder::begin(double bytes) const {
   return part();
 }
 
+std::string CheckpointFolder::content(const std::string& file) {
+  std::error_code e;
+  if (!fs::is_regular_file(file, e)) return "";  // others may have no end
+  std::ifstream in(file, std::ios::binary);
+  return std::string((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+}
+
+void CheckpointFolder::add(const std::string& name, const std::string& text) const {
+  const std::string failure = written(part() + "/" + name, text);
+  if (!failure.empty()) not_written(path_, failure);
+}
+
 void CheckpointFolder::give_up() const {
   std::error_code e;
   fs::remove_all(path_ + "/" + kRemoved, e);
@@ -223,7 +228,7 @@ Checkpoint find_checkpoint(const std::string& path) {
 Checkpoint find_checkpoint_of(const std::string& script) {
   const std::string folder = default_folder(script);
   std::vector<std::string> paths = paths_in(folder);
-  std::istringstream in(content(folder + "/" + kElsewhere));
+  std::istringstream in(CheckpointFolder::content(folder + "/" + kElsewhere));
   for (std::string other; std::getline(in, other);)
     for (const std::string& p : paths_in(other)) paths.push_back(p);
   const auto date = [](const std::string& p) {
@@ -240,7 +245,7 @@ void note_folder(const std::string& script, const std::string& folder) {
   if (folder == own) return;
   std::error_code e;
   fs::create_directories(own, e);
-  std::istringstream in(content(own + "/" + kElsewhere));
+  std::istringstream in(CheckpointFolder::content(own + "/" + kElsewhere));
   for (std::string known; std::getline(in, known);)
     if (known == folder) return;
   std::ofstream(own + "/" + kElsewhere, std::ios::app) << folder << "\n";

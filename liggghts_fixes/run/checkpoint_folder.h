@@ -1,5 +1,5 @@
-// A folder of checkpoints, each a folder of its own, NNNNNN_step_S, with the particles' restart file, a file for the
-// fluid of every fix twogrid, and record.txt: where the script stands (ResumePoint), and size and checksum of all files.
+// A folder of checkpoints, each a folder of its own, NNNNNN_step_S, with the particles' restart file, what it
+// lacks of insertion, a file for the fluid of every fix twogrid, and record.txt: where the script stands (ResumePoint), and size and checksum of all files.
 // It is filled under another name, synced, and renamed: what has such a name is whole, unless the disk has lost
 // something since. Used by one rank.
 #pragma once
@@ -24,6 +24,9 @@ class CheckpointFolder {
   /// Makes the place to fill. bytes: what it will need; met by a full disk before anything is written. Throws
   /// std::runtime_error with a sentence.
   std::string begin(double bytes) const;
+  /// Adds a file of this text to what is being filled. Throws std::runtime_error with a sentence.
+  void add(const std::string& name, const std::string& text) const;
+  static std::string content(const std::string& file);
   /// What is filled becomes a checkpoint; all but the last `keep` are removed. Returns its path. Throws
   /// std::runtime_error with a sentence; then those before are as they were.
   std::string complete(const ResumePoint& point, int keep) const;
@@ -49,6 +52,6 @@ Checkpoint find_checkpoint_of(const std::string& script);
 /// Leaves word where checkpoints of the script go, other than its default folder. Silent if it can't.
 void note_folder(const std::string& script, const std::string& folder);
 
-constexpr char kParticlesFile[] = "particles.restart";
+constexpr char kParticlesFile[] = "particles.restart", kInsertionFile[] = "insertion.txt";
 
 }  // namespace twogrid

@@ -32,7 +32,7 @@ class Interpreter {
 
   /// A run has been made: what is said again after it is said to fixes that have run.
   void note_run();
-  /// Called in place of runs by go_on_from().
+  /// Called by go_on_from() in place of runs.
   void on_run(std::function<void()> f) { on_run_ = std::move(f); }
 
   bool from_file() const { return !script_.empty(); }

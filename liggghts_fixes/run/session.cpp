@@ -19,6 +19,8 @@
 #include "cfd/parallel/ranks.h"
 #include "liggghts_fixes/fix_twogrid.h"
 #include "liggghts_fixes/liggghts/old_output.h"
+#include "liggghts_fixes/liggghts/random_state.h"
+#include "liggghts_fixes/liggghts/restart_file.h"
 #include "liggghts_fixes/report/status.h"
 #include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/style_registry.h"
@@ -189,6 +191,7 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
     stock_write_restart(lammps_, part + "/" + kParticlesFile);
     for (FixTwogrid* f : fluids(lammps_))
       if (f->has_state()) f->write_checkpoint(part + "/" + f->id + ".h5");
+    const std::string insertion = RandomState(lammps_).text(lammps_.world);
     ResumePoint p = interpreter_.here();
     p.run = words;
     p.begin = request.begin;
@@ -198,6 +201,7 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
     p.particles = (long long)(lammps_.atom->natoms);
     path = on_rank_0(lammps_.world, [&] {
       note_folder(interpreter_.script(), folder.path());
+      folder.add(kInsertionFile, insertion);
       return folder.complete(p, asked.keep);
     });
   } catch (...) {
@@ -218,9 +222,13 @@ void Session::go_on() {
   interpreter_.on_run([this] {
     for (FixTwogrid* f : fluids(lammps_)) f->take_as_run();
   });
+  const std::string insertion =
+      on_rank_0(lammps_.world, [&] { return CheckpointFolder::content(from_.path + "/" + kInsertionFile); });
   set_replaying(true);
   const std::string changed = interpreter_.go_on_from(point, from_.path + "/" + kParticlesFile);
   set_replaying(false);
+  take_columns_again(lammps_);
+  RandomState(insertion, rank_of(lammps_.world), ranks_of(lammps_.world)).restore(lammps_);
   Update& update = *lammps_.update;
   if (update.ntimestep != point.step || (long long)(lammps_.atom->natoms) != point.particles)
     throw std::runtime_error("-restart: found step " + std::to_string(update.ntimestep) + " with " +
