@@ -34,10 +34,11 @@ class StepControl {
   double shortest() const { return shortest_; }
   double longest() const { return longest_; }
 
-  /// All that it has learned: f(name, entry), names after `begin`. S: StepControl or const StepControl.
+  /// All that it has learned: f(name, entry), names after `begin`; limit() is called anew before each note(). S:
+  /// StepControl or const StepControl.
   template <class S, class F>
   static void for_each_entry(S& s, const std::string& begin, F&& f) {
-    f(begin + "step", s.step_), f(begin + "most", s.most_), f(begin + "here", s.here_);
+    f(begin + "step", s.step_), f(begin + "here", s.here_);
     f(begin + "sum_here", s.sum_here_), f(begin + "longer_step", s.longer_step_);
     f(begin + "error_of_longer", s.error_of_longer_), f(begin + "rounds_of_noise", s.rounds_of_noise_);
     f(begin + "count", s.count_), f(begin + "sum", s.sum_), f(begin + "shortest", s.shortest_);
