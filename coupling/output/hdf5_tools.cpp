@@ -42,6 +42,12 @@ bool put_attribute(hid_t file, const std::string& object, const std::string& nam
                    const void* value) {
   Handle o(H5Oopen(file, object.c_str(), H5P_DEFAULT), H5Oclose);
   if (o < 0) return false;
+  if (H5Aexists(o, name.c_str()) > 0) {
+    // Where it has the same form only its value is written over.
+    Handle a(H5Aopen(o, name.c_str(), H5P_DEFAULT), H5Aclose);
+    Handle its_type(H5Aget_type(a), H5Tclose), its_space(H5Aget_space(a), H5Sclose);
+    if (H5Tequal(its_type, type) > 0 && H5Sextent_equal(its_space, space) > 0) return H5Awrite(a, type, value) >= 0;
+  }
   if (H5Aexists(o, name.c_str()) > 0) H5Adelete(o, name.c_str());
   Handle a(H5Acreate2(o, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   return a >= 0 && H5Awrite(a, type, value) >= 0;
