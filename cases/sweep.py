@@ -104,6 +104,8 @@ def parse():
     parser.add_argument("-j", type=int, default=0, metavar="N", help="cores to use; default: those that are free")
     parser.add_argument("--out", help="folder of table, picture and text; default: the study's, or sweep/ beside the script")
     parser.add_argument("--short", action="store_true", help="the few runs of [short], compared with table.csv; writes nothing else")
+    parser.add_argument("--count", action="store_true", help="say how many runs there are, and make none")
+    parser.add_argument("--index", type=int, metavar="I", help="make run number I only (1, 2, ...), for job arrays; no table is written")
     parser.add_argument("--again", action="store_true", help="run failed ones once more")
     return parser.parse_args()
 
@@ -118,6 +120,10 @@ def main():
         study = Study(study_from_script(options))
     else:
         raise Wrong(f"{options.target} is neither a study's folder nor a script")
+    jobs = study.runs + ([study.reference] if study.reference else [])
+    if options.count:
+        print(len(jobs))
+        return 0
     executable = find_executable(options.executable)
     results = options.out or study.folder
     os.makedirs(results, exist_ok=True)
@@ -126,10 +132,16 @@ def main():
         study.runs = [r for r in study.runs if any(fnmatch.fnmatchcase(r.name, p) for p in patterns)]
         if not study.runs:
             raise Wrong("study.toml: [short] runs = [...] matches no run")
-    jobs = study.runs + ([study.reference] if study.reference else [])
+        jobs = study.runs + ([study.reference] if study.reference else [])
+    if options.index is not None:
+        if not 1 <= options.index <= len(jobs):
+            raise Wrong(f"--index {options.index}: 1 to {len(jobs)} are there")
+        jobs = jobs[options.index - 1:options.index]
     print(f"{study.title}", flush=True)
     execute(jobs, executable, os.path.join(results, "out"), options.j or free_cores(), options.again,
             lambda line: print(line, flush=True))
+    if options.index is not None:
+        return 0 if jobs[0].record["code"] == 0 else 1
     rows = rows_of(study)
     if options.short:
         lines, good = compare_short(study, rows, os.path.join(study.folder, "table.csv"))

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The address and undefined-behaviour sanitizers: builds in build-sanitize/ (preset sanitize), runs the unit tests on one
-# and two ranks and six short system tests. Any report of a sanitizer fails its test. Words after the command go to ctest.
+# and two ranks and seven short system tests. Any report of a sanitizer fails its test. Words after the command go to ctest.
 #
 # Left out: leaks (OpenMPI, PETSc and LIGGGHTS keep what they allocate until the end of the process).
 #
@@ -17,5 +17,5 @@ cases/setup.sh
 ninja -C build-sanitize unit_tests twogrid
 export ASAN_OPTIONS="detect_leaks=0:abort_on_error=0:exitcode=99:${ASAN_OPTIONS:-}"
 export UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1:${UBSAN_OPTIONS:-}"
-tests='^unit/.*_np[12]$|^(scripts|fixed_particles|action_reaction|come_and_go|watched_drag|restart)$'
+tests='^unit/.*_np[12]$|^(scripts|fixed_particles|action_reaction|come_and_go|watched_drag|restart|watched)$'
 exec ctest --test-dir build-sanitize --output-on-failure --no-tests=error -j "$(nproc)" -R "$tests" "$@"

@@ -11,6 +11,9 @@ import sys
 
 import numpy as np
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import leg_tables  # noqa: E402
+
 # As in.fluidisation_curve has it.
 RHO_F, MU, RHO_P, G, WIDTH = 1.2, 1.8e-5, 1000.0, 9.81, 6.0e-3
 TOLERANCE = 0.05
@@ -61,7 +64,7 @@ def ergun_velocity(x, radius, weight):
 
 
 def measure(folder):
-    curve = np.loadtxt(os.path.join(folder, "curve.txt"))
+    curve = leg_tables.table(os.path.join(folder, "curve.txt"))
     step, U, dp = curve[:, 0], curve[:, 2], curve[:, 3]
     beds = read_beds(os.path.join(folder, "bed.txt"))
     radius = beds[-1][2]

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import leg_tables  # noqa: E402
 import plot_fields  # noqa: E402
 
 # As in.jetting_bed has it.
@@ -34,8 +35,8 @@ class Bed:
 
     def __init__(self, folder):
         self.file = h5py.File(os.path.join(folder, "bed.h5"), "r")
-        self.now = np.loadtxt(os.path.join(folder, "now.txt"))
-        self.mean = np.loadtxt(os.path.join(folder, "mean.txt"))
+        self.now = leg_tables.table(os.path.join(folder, "now.txt"))
+        self.mean = leg_tables.table(os.path.join(folder, "mean.txt"))
         self.x, self.y, self.z = plot_fields.nodes(self.file)
         self.rho_f = float(self.file["record"].attrs["density"])
         self.section = np.ptp(self.x) * np.ptp(self.y)

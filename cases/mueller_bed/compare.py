@@ -22,6 +22,9 @@ import sys
 import h5py
 import numpy as np
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import leg_tables  # noqa: E402
+
 WIDTH, DEPTH, D_P = 44.0e-3, 10.0e-3, 1.2e-3     # as in.mueller_bed has them
 MEASURED_MIDDLE = 21.2e-3                        # of the measured profiles
 SLAB, COLUMNS, BATCHES = 3.0e-3, 24, 8
@@ -146,7 +149,7 @@ def main():
     wanted = sorted(measured) or [(q, z) for q in sorted(HEIGHTS) for z in HEIGHTS[q]]
     slabs, begin, end, frames = read_frames(a.folder, wanted, a.begin, a.end)
     centres = (np.arange(COLUMNS // 2) + 0.5) * WIDTH / COLUMNS
-    mean = np.loadtxt(os.path.join(a.folder, "mean.txt"))
+    mean = leg_tables.table(os.path.join(a.folder, "mean.txt"))
     mean = mean[(mean[:, 1] >= begin) & (mean[:, 1] <= end)]
     groups = [g.mean() for g in np.array_split(mean[:, 2], BATCHES)]
     print(f"superficial velocity {U:g} m/s; {frames} frames from {begin:.2f} to {end:.2f} s, slab {1e3 * SLAB:g} mm, {COLUMNS} "

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import time
 
@@ -95,7 +96,7 @@ def execute(jobs, executable, out, cores, again=False, say=print):
     startup = json.load(open(startup_file)) if os.path.exists(startup_file) else {}
     waiting = []
     for job in jobs:
-        new = os.path.join(runs, f".new_{os.getpid()}")
+        new = os.path.join(runs, f".new_{socket.gethostname()}_{os.getpid()}")  # of this process, on whatever machine
         shutil.rmtree(new, ignore_errors=True)
         os.makedirs(new)
         h = job.prepare(new)
@@ -112,8 +113,10 @@ def execute(jobs, executable, out, cores, again=False, say=print):
             waiting.append(job)
     for ranks in sorted({j.ranks for j in waiting}):
         startup_cost(executable, out, startup, ranks)
-    with open(startup_file, "w") as f:
+    mine = f"{startup_file}.{socket.gethostname()}_{os.getpid()}"  # jobs of an array write it at the same time
+    with open(mine, "w") as f:
         json.dump(startup, f)
+    os.rename(mine, startup_file)
     total, done, spent, running = len(waiting), 0, 0.0, []
     say(f"{len(jobs)} runs, {total} of them to do (others finished before, or are alike); on {cores} core{'s' * (cores > 1)}")
     begin = time.time()

@@ -28,8 +28,10 @@ class WatchedVerlet : public Verlet {
       done += piece;
       Status::of_process().step(update->ntimestep);
       if (early_end_.look(piece) && done < n) {
-        update->nsteps = done;
-        update->laststep = update->ntimestep;
+        // One step more, known as the last one: fixes note in it what the next run's set-up reads.
+        update->laststep = update->ntimestep + 1;
+        Verlet::run(1);
+        update->nsteps = done + 1;
         return;
       }
     }

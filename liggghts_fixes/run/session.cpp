@@ -219,6 +219,7 @@ void Session::go_on() {
   for (const std::string& s : from_.passed_over) say("WARNING: twogrid: " + s + "\n");
   const ResumePoint point = resume_point(from_.record);
   say("twogrid: goes on from the checkpoint " + from_.path + ", step " + std::to_string(point.step) + "\n");
+  Status::of_process().checkpoint(from_.path, point.step);
   interpreter_.on_run([this] {
     for (FixTwogrid* f : fluids(lammps_)) f->take_as_run();
   });
