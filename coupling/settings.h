@@ -24,6 +24,7 @@ struct OutputSettings {
   bool particles = true;
   double average_from = -1;  ///< s; negative: no averages
   bool overwrite = false;    ///< a file that is there is replaced
+  bool keep_old = false;     ///< it gets another name: a run that was to go on, from which no checkpoint is left
   bool many_legs = false;    ///< a new file each time the run goes on from a checkpoint
 };
 

@@ -28,6 +28,7 @@
 #include "liggghts_fixes/report/memory_need.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/run/petsc_session.h"
+#include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/run/signals.h"
 #include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/keywords.h"
@@ -200,6 +201,7 @@ void FixTwogrid::open_output() {
   if (out.file.empty() || (out.every <= 0 && out.average_from < 0)) return;
   Record record = run_record(*lmp);
   record.settings = settings_texts(script_);
+  script_.settings.output.keep_old = restarting();
   output_ = std::make_unique<Output>(world, script_.settings, *fluid_, record);
 }
 

@@ -14,6 +14,7 @@
 #include "liggghts_fixes/run/end_run.h"
 #include "liggghts_fixes/run/old_files.h"
 #include "liggghts_fixes/run/petsc_session.h"
+#include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/run/session.h"
 #include "liggghts_fixes/run/signals.h"
 #include "liggghts_fixes/script/keywords.h"
@@ -43,6 +44,7 @@ int main(int argc, char** argv) {
     twogrid::install_signal_handlers();  // PETSc has put the default ones back
     twogrid::open_status(line.log, "twogrid " TWOGRID_VERSION " (" TWOGRID_COMMIT ")", errors);
     twogrid::Checkpoint from = twogrid::checkpoint_wanted(MPI_COMM_WORLD, line);
+    twogrid::set_restarting(!line.restart.empty());
     if (!from.path.empty()) {
       int rank = 0;
       MPI_Comm_rank(MPI_COMM_WORLD, &rank);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 
@@ -112,6 +113,14 @@ std::runtime_error refusal(const std::string& path, const std::string& what, boo
                             "or say 'fix_modify ID output overwrite yes' to have it replaced");
 }
 
+/// bed.h5 -> bed.old1.h5
+std::string put_aside(const std::string& path) {
+  std::string other;
+  for (int i = 1; other.empty() || is_there(other); ++i) other = stem(path) + ".old" + std::to_string(i) + ending(path);
+  if (std::rename(path.c_str(), other.c_str()) != 0) throw refusal(path, "it could not be put aside", true);
+  return "the output file " + path + " of a run that left no checkpoint of its fluid is now " + other;
+}
+
 }  // namespace
 
 std::string stem(const std::string& file) {
@@ -163,6 +172,10 @@ WhereToWrite begin_files(const OutputSettings& settings) {
   w.file = settings.file;
   const FoundFile found = look_at(settings.file);
   if (settings.overwrite) return w;
+  if (settings.keep_old) {
+    if (found.kind != Kind::kNone) w.sentences.push_back(put_aside(settings.file));
+    return w;
+  }
   if (found.kind != Kind::kNone) throw refusal(settings.file, found.what, false);
   const std::string xdmf[2] = {stem(settings.file) + ".xdmf", stem(settings.file) + "_average.xdmf"};
   const bool wanted[2] = {settings.every > 0, settings.average_from >= 0};

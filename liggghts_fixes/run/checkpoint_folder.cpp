@@ -179,7 +179,7 @@ void CheckpointFolder::give_up() const {
   fs::remove_all(part(), e);
 }
 
-std::string CheckpointFolder::complete(const ResumePoint& point, int keep) const {
+std::string CheckpointFolder::complete(const ResumePoint& point, int keep, long above) const {
   std::vector<std::string> before = names();
   std::ostringstream manifest;
   std::vector<std::string> files;
@@ -201,7 +201,7 @@ std::string CheckpointFolder::complete(const ResumePoint& point, int keep) const
   std::remove((part() + "/probe").c_str());
   if (failure.empty()) failure = written(part() + "/" + kRecord, text);
   if (failure.empty()) failure = synced(part(), true);
-  const long last = before.empty() ? 0 : number_of(before.front());
+  const long last = std::max(above, before.empty() ? 0 : number_of(before.front()));
   char name[64];
   std::snprintf(name, sizeof name, "%06ld_step_%lld", last + 1, point.step);
   const std::string path = path_ + "/" + name;
@@ -225,19 +225,26 @@ Checkpoint find_checkpoint(const std::string& path) {
   return newest_of(paths_in(path));
 }
 
-Checkpoint find_checkpoint_of(const std::string& script) {
+/// In all folders of the script, the newest first.
+static std::vector<std::string> paths_of(const std::string& script) {
   const std::string folder = default_folder(script);
   std::vector<std::string> paths = paths_in(folder);
   std::istringstream in(CheckpointFolder::content(folder + "/" + kElsewhere));
   for (std::string other; std::getline(in, other);)
     for (const std::string& p : paths_in(other)) paths.push_back(p);
-  const auto date = [](const std::string& p) {
-    std::error_code e;
-    return fs::last_write_time(p + "/" + kRecord, e);
-  };
+  const auto number = [](const std::string& p) { return number_of(fs::path(p).filename().string()); };
   std::stable_sort(paths.begin(), paths.end(),
-                   [&](const std::string& a, const std::string& b) { return date(a) > date(b); });
-  return newest_of(paths);
+                   [&](const std::string& a, const std::string& b) { return number(a) > number(b); });
+  return paths;
+}
+
+Checkpoint find_checkpoint_of(const std::string& script) {
+  return newest_of(paths_of(script));
+}
+
+long last_number(const std::string& script) {
+  const std::vector<std::string> paths = paths_of(script);
+  return paths.empty() ? 0 : number_of(fs::path(paths.front()).filename().string());
 }
 
 void note_folder(const std::string& script, const std::string& folder) {

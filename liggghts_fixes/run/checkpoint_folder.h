@@ -27,9 +27,9 @@ class CheckpointFolder {
   /// Adds a file of this text to what is being filled. Throws std::runtime_error with a sentence.
   void add(const std::string& name, const std::string& text) const;
   static std::string content(const std::string& file);
-  /// What is filled becomes a checkpoint; all but the last `keep` are removed. Returns its path. Throws
-  /// std::runtime_error with a sentence; then those before are as they were.
-  std::string complete(const ResumePoint& point, int keep) const;
+  /// What is filled becomes a checkpoint, of a number above `above`; all but the last `keep` are removed. Returns its path.
+  /// Throws std::runtime_error with a sentence; then those before are as they were.
+  std::string complete(const ResumePoint& point, int keep, long above) const;
   /// Takes away what was begun.
   void give_up() const;
 
@@ -49,6 +49,8 @@ struct Checkpoint {
 Checkpoint find_checkpoint(const std::string& path);
 /// The same, of all folders that a script's checkpoints have gone to.
 Checkpoint find_checkpoint_of(const std::string& script);
+/// The highest number of a checkpoint there; 0: none.
+long last_number(const std::string& script);
 /// Leaves word where checkpoints of the script go, other than its default folder. Silent if it can't.
 void note_folder(const std::string& script, const std::string& folder);
 

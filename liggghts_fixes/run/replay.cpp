@@ -3,7 +3,7 @@
 namespace twogrid {
 
 namespace {
-bool is_replaying = false;
+bool is_replaying = false, is_restarting = false;
 }  // namespace
 
 bool replaying() {
@@ -12,6 +12,14 @@ bool replaying() {
 
 void set_replaying(bool on) {
   is_replaying = on;
+}
+
+bool restarting() {
+  return is_restarting;
+}
+
+void set_restarting(bool on) {
+  is_restarting = on;
 }
 
 }  // namespace twogrid

@@ -7,4 +7,8 @@ namespace twogrid {
 bool replaying();
 void set_replaying(bool on);
 
+/// Whether this process was asked to go on with a run (-restart).
+bool restarting();
+void set_restarting(bool on);
+
 }  // namespace twogrid

@@ -147,6 +147,7 @@ void Session::run_parts(const Command& words, const RunRequest& r) {
   const StatusOfRun status(r, update);
   bool set_up = r.pre;
   early_end_.set_interval(plan().seconds);
+  if (plan().by_itself()) try_folder();
   for (bool first = true; first || update.ntimestep < r.end; first = false) {
     const long long step = update.ntimestep, to = part_to(r, step);
     if (early_end_.look(0) && early_end_.signal() != 0) {
@@ -176,13 +177,30 @@ void Session::run_parts(const Command& words, const RunRequest& r) {
   }
 }
 
-void Session::write_checkpoint(const Command& words, const RunRequest& request) {
+CheckpointFolder Session::folder() const {
+  const std::string asked = plan().folder;
+  return CheckpointFolder(asked.empty() ? default_folder(interpreter_.script()) : asked);
+}
+
+/// Better now than after hours.
+void Session::try_folder() const {
   if (!interpreter_.from_file())
     throw std::runtime_error(
         "checkpoint: found a script that comes from the standard input, wanted one from a file (-in FILE): "
         "a run can't be gone on with otherwise");
-  const CheckpointPlan asked = plan();
-  const CheckpointFolder folder(asked.folder.empty() ? default_folder(interpreter_.script()) : asked.folder);
+  on_rank_0(lammps_.world, [&] {
+    folder().begin(65536);
+    folder().give_up();
+    return "";
+  });
+}
+
+void Session::write_checkpoint(const Command& words, const RunRequest& request) {
+  const int signal = early_end_.signal();
+  if (!interpreter_.from_file())
+    return say("twogrid: ended by signal " + std::to_string(signal) +
+               "; a script that comes from the standard input can't be gone on with, and no checkpoint is written\n");
+  const CheckpointFolder folder = this->folder();
   double bytes = 8.0 * lammps_.atom->avec->size_restart() + 65536;
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lammps_.world);
   const std::string part = on_rank_0(lammps_.world, [&] { return folder.begin(bytes); });
@@ -202,7 +220,7 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
     path = on_rank_0(lammps_.world, [&] {
       note_folder(interpreter_.script(), folder.path());
       folder.add(kInsertionFile, insertion);
-      return folder.complete(p, asked.keep);
+      return folder.complete(p, plan().keep, last_number(interpreter_.script()));
     });
   } catch (...) {
     if (rank_of(lammps_.world) == 0) folder.give_up();
@@ -210,7 +228,6 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
   }
   early_end_.checkpoint_written();
   Status::of_process().checkpoint(path, lammps_.update->ntimestep);
-  const int signal = early_end_.signal();
   say("twogrid: checkpoint " + path +
       (signal != 0 ? ", ended by signal " + std::to_string(signal) + ": -restart goes on from it\n" : "\n"));
 }

@@ -32,6 +32,8 @@ class Session {
   bool end_here();
   long long part_to(const RunRequest& r, long long step) const;
   CheckpointPlan plan() const;
+  CheckpointFolder folder() const;
+  void try_folder() const;
   void write_checkpoint(const Command& words, const RunRequest& request);
   void say(const std::string& text) const;
 

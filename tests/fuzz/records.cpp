@@ -131,7 +131,7 @@ Verdict try_checkpoint_folder(Dice& dice) {
     put(part + "/" + kParticlesFile, std::string(500, 'p'));
     put(part + "/gas.h5", std::string(900, 'g'));
     Dice first(1);
-    return f.complete(some_point(first), 2);
+    return f.complete(some_point(first), 2, 0);
   }();
   static const std::string kRecord = file_text(kPath + "/record.txt");
   std::string text = kRecord.substr(0, kRecord.rfind("checksum "));
