@@ -3,17 +3,23 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <numeric>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 
 #include "cfd/fluid_solver.h"
 #include "cfd/parallel/ranks.h"
 #include "coupling/checkpoint/checksum.h"
+#include "coupling/checkpoint/state_check.h"
 #include "coupling/checkpoint/state_file.h"
 #include "coupling/control/schedule.h"
 #include "coupling/coupling.h"
@@ -26,6 +32,7 @@ namespace twogrid {
 namespace {
 
 constexpr char kKeyword[] = "checkpoint", kOutput[] = "/output", kAverages[] = "/averages";
+constexpr double kMost = 9e15;  // steps, particles
 constexpr int kVersion = 2;
 
 ParticleGrid nodes_of(const CheckpointParts& c) {
@@ -115,6 +122,38 @@ void write_ranks(MPI_Comm comm, const RankParts& parts, const Layout& layout, Hd
   file.slab("/ranks/tags", own_part(particles, rank_of(comm)), parts.tags.data());
 }
 
+/// A list that ascends from `first` to `last`, of whole numbers where they are cells.
+bool ascends(const std::vector<double>& list, double first, double last, bool whole) {
+  return list.size() > 1 && list.front() == first && list.back() == last && std::is_sorted(list.begin(), list.end()) &&
+         std::all_of(list.begin(), list.end(), [&](double v) { return !whole || v == std::floor(v); });
+}
+
+/// Shares of the ranks that can't be: a sentence's part; empty: they can.
+std::string unlikely(const std::vector<double>& particles, const std::vector<double>& bricks,
+                     const std::vector<double>& of_rank, const std::array<std::vector<double>, 3>& borders,
+                     const std::array<std::vector<double>, 3>& cuts) {
+  const auto whole = [](const std::vector<double>& list, double least, double most) {
+    return std::all_of(list.begin(), list.end(),
+                       [&](double v) { return v == std::floor(v) && v >= least && v <= most; });
+  };
+  if (!whole(particles, 0, 2147483647)) return "/ranks/particles holds no counts";
+  if (!whole(bricks, 1, 2147483647)) return "/ranks/bricks holds no counts";
+  std::set<std::array<double, 3>> places;
+  for (std::size_t r = 0; r < of_rank.size(); r += 3) places.insert({of_rank[r], of_rank[r + 1], of_rank[r + 2]});
+  if (3 * places.size() != of_rank.size()) return "/ranks/fluid_brick gives a brick to two ranks";
+  double all = 1;
+  for (int d = 0; d < 3; ++d) {
+    all *= double(cuts[d].size()) - 1;
+    if (!ascends(borders[d], 0, 1, false)) return std::string(kBorders[d]) + " doesn't ascend from 0 to 1";
+    if (!cuts[d].empty() || !ascends(cuts[d], 0, cuts[d].back(), true))
+      return std::string(kCuts[d]) + " doesn't cut the cells in parts";
+    for (std::size_t r = std::size_t(d); r < of_rank.size(); r += 3)
+      if (!whole({of_rank[r]}, 0, double(cuts[d].size()) - 2)) return "/ranks/fluid_brick names no brick";
+  }
+  if (all != double(places.size())) return "/ranks/fluid_brick leaves bricks without a rank";
+  return "";
+}
+
 RankParts read_ranks(MPI_Comm comm, Hdf5File& file) {
   const auto get = [&](const std::string& path) { return file.whole(path); };
   const std::size_t ranks = ranks_of(comm);
@@ -122,16 +161,17 @@ RankParts read_ranks(MPI_Comm comm, Hdf5File& file) {
                             of_rank = get("/ranks/fluid_brick"), equal = get("/ranks/equal");
   RankParts parts;
   if (particles.size() != ranks || bricks.size() != 3 || of_rank.size() != 3 * ranks || equal.size() != 1) return parts;
+  std::array<std::vector<double>, 3> borders, cuts;
+  for (int d = 0; d < 3; ++d) borders[d] = get(kBorders[d]), cuts[d] = get(kCuts[d]);
+  const std::string wrong = unlikely(particles, bricks, of_rank, borders, cuts);
+  if (!wrong.empty()) return file.unfit(wrong), RankParts{};
   if (left_out("/ranks/borders")) return parts;
   for (int d = 0; d < 3; ++d) {
-    parts.borders[d] = get(kBorders[d]);
+    parts.borders[d] = borders[d];
     parts.bricks[d] = int(bricks[d]);
   }
   parts.equal = equal[0] != 0;
-  for (int d = 0; d < 3 && !left_out("/ranks/layout"); ++d) {
-    const std::vector<double> cuts = get(kCuts[d]);
-    parts.cuts[d].assign(cuts.begin(), cuts.end());
-  }
+  for (int d = 0; d < 3 && !left_out("/ranks/layout"); ++d) parts.cuts[d].assign(cuts[d].begin(), cuts[d].end());
   for (std::size_t r = 0; r < ranks; ++r)
     parts.fluid_brick.push_back({int(of_rank[3 * r]), int(of_rank[3 * r + 1]), int(of_rank[3 * r + 2])});
   if (left_out("/ranks/tags")) return parts;
@@ -215,17 +255,20 @@ Beginning read_beginning(MPI_Comm comm, const std::string& path, const Moment& n
     refuse_file(path, ": " + broken,
                 "a checkpoint of fix twogrid, as it was written: give another one, or an older one");
   Hdf5File file(comm, path, Hdf5File::Mode::kRead, 0, kKeyword);
-  const auto number = [&](const std::string& name, double otherwise) {
+  const auto number = [&](const std::string& name, double least, double most, double otherwise) {
     const std::string place = "/record/" + name;
-    const std::vector<double> all = left_out(place) ? std::vector<double>{} : file.whole(place);
-    return all.size() == 1 ? all[0] : otherwise;
+    if (left_out(place)) return otherwise;
+    const std::vector<double> all = file.whole(place);
+    const double value = all.size() == 1 ? all[0] : NAN;
+    if (!(value >= least && value <= most)) file.unfit(place + " is not there, or no such number");
+    return value >= least && value <= most ? value : least;
   };
   if (file.whole_attribute("/record", "version") != std::vector<int>{kVersion})
     refuse_file(path, " of another version of twogrid", "one of this version");
   const auto moment = [](const Moment& m) {
     return "step " + std::to_string(m.step) + " with " + std::to_string(m.particles) + " particles";
   };
-  const Moment then{(long long)number("step", -1), (long long)number("particles", -1)};
+  const Moment then{(long long)number("step", -1, kMost, -1), (long long)number("particles", -1, kMost, -1)};
   if (then.step != now.step || then.particles != now.particles)
     refuse_file(path, " of " + moment(then),
                 "one of " + moment(now) +
@@ -233,8 +276,8 @@ Beginning read_beginning(MPI_Comm comm, const std::string& path, const Moment& n
                     "together, with no run between them");
   Beginning beginning;
   beginning.scene = file.text_attribute("/record", "scene");
-  beginning.every = int(number("every", 0));
-  beginning.skin = number("skin", 0);
+  beginning.every = int(number("every", 1, 2e9, 0));
+  beginning.skin = number("skin", 0, kMost, 0);
   beginning.ranks = read_ranks(comm, file);
   file.close();
   return beginning;
@@ -244,6 +287,10 @@ void check_scene(const std::string& path, const Beginning& beginning, const Sett
   const std::string here = scene(settings, grid);
   if (beginning.scene != here)
     refuse_file(path, " of another scene (" + beginning.scene + ")", "one of this scene (" + here + ")");
+  for (int d = 0; d < 3; ++d)
+    for (int c : beginning.ranks.cuts[d])
+      if (c % settings.ratio[d] != 0 || beginning.ranks.cuts[d].back() != grid.axis[d].n())
+        refuse_file(path, std::string(", whose ") + kCuts[d] + " cuts other cells than there are", "one of this scene");
 }
 
 void read_checkpoint(const std::string& path, const CheckpointParts& c) {
@@ -252,8 +299,28 @@ void read_checkpoint(const std::string& path, const CheckpointParts& c) {
   const std::string there = file.text_attribute("/record", "models"), here = models(c);
   if (there != here) refuse_file(path, " with fields of models (" + there + ")", "those of this scene (" + here + ")");
   StateFile states(c.comm, c.fluid.layout(), nodes, file);
+  // Arrays that fluid and coupling have from the beginning they have always.
+  std::map<std::string, Box> made;
+  const auto each_array = [](auto& state, auto&& f) {
+    std::decay_t<decltype(state)>::for_each_entry(state, [&](const std::string& name, auto& entry) {
+      if constexpr (!std::is_arithmetic_v<std::decay_t<decltype(entry)>>) f(name, entry);
+    });
+  };
+  const auto note = [&](const std::string& name, const auto& a) {
+    if (a.size() > 0) made[name] = a.box();
+  };
+  each_array(c.fluid.state(), note), each_array(std::as_const(c.coupling.state()), note);
+  const auto look = [&](const std::string& name, const auto& a) {
+    const auto was = made.find(name);
+    if (was != made.end() && !(a.box() == was->second)) file.unfit(name + " is not there");
+  };
   for_each_state(c, [&](const std::string& group, auto& state) {
     if constexpr (std::is_same_v<std::decay_t<decltype(state)>, Report>) {
+      each_array(c.fluid.state(), look), each_array(std::as_const(c.coupling.state()), look);
+      const std::string wrong = broken_promise(c.fluid.state(), c.coupling.state(),
+                                               {c.fluid.layout().cells(rank_of(c.comm)), nodes.cells(rank_of(c.comm)),
+                                                c.settings.one_way, c.settings.formulation == Formulation::kA});
+      if (!wrong.empty()) file.unfit(wrong);
       c.fluid.restored();
       c.coupling.restored();
     }

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <vector>
@@ -103,6 +104,8 @@ std::string seal_file(const std::string& path) {
 }
 
 std::string broken_seal(const std::string& path) {
+  std::error_code e;
+  if (std::filesystem::exists(path, e) && !std::filesystem::is_regular_file(path, e)) return "it is no regular file";
   const File f(std::fopen(path.c_str(), "rb"));
   if (!f || std::fseek(f.get(), 0, SEEK_END) != 0) return std::strerror(errno);
   const long size = std::ftell(f.get());

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <sstream>
 
 #include "cfd/parallel/ranks.h"
+#include "coupling/checkpoint/state_check.h"
 
 namespace twogrid {
 
 namespace {
+
+constexpr int kMostBeyond = 1000;  // cells of a halo
 
 /// Part of the array `a` in a dataset whose first value is that of index `first`.
 Slab slab_of(const Box& part, const Int3& first, const std::vector<std::size_t>& extent, const Box& a) {
@@ -50,12 +54,8 @@ void StateFile::write_number(const std::string& path, double value) {
 }
 
 double StateFile::read_number(const std::string& path) {
-  const std::vector<std::size_t> extent = file_.has(path) ? file_.extent(path) : std::vector<std::size_t>{};
-  std::vector<double> all(extent.size() == 1 ? extent[0] : 0);
-  Slab s;
-  s.extent = s.count = {std::max<std::size_t>(all.size(), 1)}, s.offset = {0};
-  all.resize(s.extent[0]);
-  file_.read(path, s, all.data());
+  const std::vector<double> all = file_.whole(path);
+  if (all.empty()) return file_.unfit(path + " is not there, or of another kind"), 0;
   if (int(all.size()) == ranks_) return all[rank_];
   if (std::all_of(all.begin(), all.end(), [&](double v) { return v == all[0]; })) return all[0];
   double sum = 0;
@@ -99,7 +99,11 @@ void StateFile::read_array(const std::string& path, Array3<double>& a, const Lay
   }
   const std::vector<int> w = file_.whole_attribute(path, "widths");
   const std::vector<std::size_t> extent = file_.extent(path);
-  if (w.size() != 12 || extent.size() != 3) return;
+  bool fits = w.size() == 12 && extent.size() == 3;
+  for (int d = 0; d < 3 && fits; ++d)
+    fits = std::size_t(layout.extent()[d]) + std::size_t(w[6 + d]) + std::size_t(w[9 + d]) == extent[2 - d];
+  if (!fits || std::any_of(w.begin(), w.end(), [](int cells) { return cells < 0 || cells > kMostBeyond; }))
+    return file_.unfit(path + " is of another size");
   const Box own = layout.cells(rank_);
   if (own.empty()) return;
   if (a.size() == 0)
@@ -121,6 +125,17 @@ void StateFile::read_array(const std::string& path, Array3<double>& a, const Lay
                    slab_of(part, {first[0] + shift[0], first[1] + shift[1], first[2] + shift[2]}, extent, a.box()),
                    a.data());
       }
+  check(path, a.data(), a.size());
+}
+
+bool StateFile::check(const std::string& path, const double* value, std::size_t count) {
+  const EntryRange range = range_of(path);
+  const double* const wrong = std::find_if(value, value + count, [&](double v) { return !range.holds(v); });
+  if (wrong == value + count) return true;
+  std::ostringstream found;
+  found << path << " holds " << *wrong << ", wanted " << range.least << " to " << range.most;
+  file_.unfit(found.str());
+  return false;
 }
 
 }  // namespace twogrid

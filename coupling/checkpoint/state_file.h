@@ -10,6 +10,7 @@
 
 #include <mpi.h>
 
+#include <cmath>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -66,7 +67,8 @@ class StateFile {
         write_entry(path, entry, layout_of(entry));
     });
   }
-  /// Arrays that the file lacks become empty. Collective; what is missing is told by the file's close().
+  /// Arrays that the file lacks become empty. Collective; numbers that are missing, and what can be no state, are told by
+  /// the file's close().
   template <class State>
   void read(const std::string& group, State& state) {
     State::for_each_entry(state, [&](const std::string& name, auto& entry) {
@@ -76,7 +78,7 @@ class StateFile {
       if constexpr (std::is_same_v<std::decay_t<State>, NumberList>)
         if (state.of_script && !file_.has(path)) return;
       if constexpr (std::is_arithmetic_v<T>)
-        entry = T(read_number(path));
+        entry = number_as<T>(path);
       else
         read_entry(path, entry, layout_of(entry));
     });
@@ -97,7 +99,28 @@ class StateFile {
   template <class G>
   void read_entry(const std::string& path, CellTable<G>& t, const Layout& l) {
     file_.read(path, table_slab(t.own(), t.columns(), l), t.data());
+    check(path, t.data(), t.size());
   }
+  /// As the type of an entry: a number that it can hold, or it is a failure.
+  template <class T>
+  T number_as(const std::string& path) {
+    const double value = read_number(path);
+    const bool fits = !std::is_integral_v<T> ||
+                      (value == std::floor(value) && value >= least_of<T>() && std::abs(value) <= most_of<T>());
+    if (check(path, &value, 1) && fits) return T(value);
+    if (!fits) file_.unfit(path + " is no such whole number: " + std::to_string(value));
+    return T();
+  }
+  template <class T>
+  static constexpr double least_of() {
+    return std::is_same_v<T, bool> ? 0 : std::is_same_v<T, int> ? -2147483648.0 : -9007199254740992.0;
+  }
+  template <class T>
+  static constexpr double most_of() {
+    return std::is_same_v<T, long long> ? 9007199254740992.0 : 2147483647.0 /* a sum of flags, too */;
+  }
+  /// Whether all lie in their range (state_check.h); else it is a failure.
+  bool check(const std::string& path, const double* value, std::size_t count);
   Slab table_slab(const Box& own, int columns, const Layout& layout) const;
   void write_number(const std::string& path, double value);
   double read_number(const std::string& path);

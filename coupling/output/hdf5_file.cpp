@@ -82,6 +82,12 @@ void Hdf5File::failed(const std::string& what) {
   failure_ = what + (detail.empty() ? "" : ": " + detail);
 }
 
+void Hdf5File::unfit(const std::string& what) {
+  if (!ok_) return;
+  ok_ = false;
+  failure_ = what;
+}
+
 void Hdf5File::group(const std::string& path) {
   Quiet quiet;
   if (H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0) return;
@@ -192,6 +198,12 @@ std::vector<double> Hdf5File::whole(const std::string& path) {
   Slab s;
   s.extent = s.count = has(path) ? extent(path) : std::vector<std::size_t>{0};
   s.offset.assign(s.extent.size(), 0);
+  // An extent that is a mere promise allocates nothing.
+  hsize_t bytes = 0;
+  const bool fits = H5Fget_filesize(file_, &bytes) >= 0 &&
+                    std::all_of(s.extent.begin(), s.extent.end(), [&](std::size_t n) { return n <= bytes; }) &&
+                    double(product(s.extent)) <= double(bytes);
+  if (!fits) return failed(path + " is larger than its file"), std::vector<double>{};
   std::vector<double> all(s.extent.empty() ? 0 : product(s.extent));
   if (!all.empty()) read(path, s, all.data());
   return all;

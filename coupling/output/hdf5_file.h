@@ -61,6 +61,8 @@ class Hdf5File {
   void read(const std::string& path, const Slab& slab, int* value);
   /// All of it, as one list; empty where it isn't there. Local.
   std::vector<double> whole(const std::string& path);
+  /// Whoever reads finds that it can't be what is wanted. A failure, like those above. Local.
+  void unfit(const std::string& what);
 
   /// Flushes and closes. Throws std::runtime_error with a sentence on all ranks if anything failed on any of them.
   void close();

@@ -67,6 +67,8 @@ hid_t unfilled_dataset() {
   return creation;
 }
 
+constexpr std::size_t kMostAttribute = 1 << 20;  // values or characters; HDF5 itself takes 64 kB
+
 std::vector<std::size_t> extent_of(hid_t file, const std::string& dataset) {
   Handle set(H5Dopen2(file, dataset.c_str(), H5P_DEFAULT), H5Dclose);
   Handle space(set < 0 ? -1 : H5Dget_space(set), H5Sclose);
@@ -79,8 +81,9 @@ std::vector<std::size_t> extent_of(hid_t file, const std::string& dataset) {
 std::string text_attribute_of(hid_t file, const std::string& object, const std::string& name) {
   Handle o(H5Oopen(file, object.c_str(), H5P_DEFAULT), H5Oclose);
   Handle a(o < 0 ? -1 : H5Aopen(o, name.c_str(), H5P_DEFAULT), H5Aclose);
-  Handle type(a < 0 ? -1 : H5Aget_type(a), H5Tclose);
-  if (type < 0 || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) return "";
+  Handle type(a < 0 ? -1 : H5Aget_type(a), H5Tclose), space(a < 0 ? -1 : H5Aget_space(a), H5Sclose);
+  if (type < 0 || space < 0 || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) return "";
+  if (H5Tget_size(type) > kMostAttribute || H5Sget_simple_extent_npoints(space) != 1) return "";
   std::string value(H5Tget_size(type), '\0');
   return H5Aread(a, type, value.data()) < 0 ? "" : value.c_str();
 }
@@ -90,6 +93,7 @@ std::vector<int> whole_attribute_of(hid_t file, const std::string& object, const
   Handle a(o < 0 ? -1 : H5Aopen(o, name.c_str(), H5P_DEFAULT), H5Aclose);
   Handle space(a < 0 ? -1 : H5Aget_space(a), H5Sclose);
   const hssize_t n = space < 0 ? 0 : H5Sget_simple_extent_npoints(space);
+  if (n > hssize_t(kMostAttribute)) return {};
   std::vector<int> value(std::max<hssize_t>(n, 0));
   if (!value.empty() && H5Aread(a, H5T_NATIVE_INT, value.data()) < 0) value.clear();
   return value;

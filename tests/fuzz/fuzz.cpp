@@ -225,7 +225,8 @@ Verdict tried(const std::function<void()>& f, const std::vector<std::string>& wo
     const bool names = std::any_of(words.begin(), words.end(), [&](const std::string& w) {
       return w.size() > 2 && s.find(w) != std::string::npos;
     });
-    if (s.size() < 15 || s.find(' ') == std::string::npos || (s.find("wanted") == std::string::npos && !names))
+    if (s.size() < 15 || s.find(' ') == std::string::npos ||
+        (s.find("wanted") == std::string::npos && s.find("fix_modify ") == std::string::npos && !names))
       v.defect = "refused without a sentence: '" + s + "'";
     else if (s.size() > 6000 || s.find('\n') != std::string::npos)
       v.defect = "refused with a sentence of more than a line: '" + s.substr(0, 300) + "'";

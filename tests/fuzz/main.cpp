@@ -46,7 +46,8 @@ const Part kParts[] = {{"script", 50, try_script},
                        {"command_line", 5, try_command_line},
                        {"run_request", 10, try_run_request},
                        {"resume_point", 10, try_resume_point},
-                       {"checkpoint_folder", 5, try_checkpoint_folder}};
+                       {"checkpoint_folder", 5, try_checkpoint_folder},
+                       {"checkpoint_file", 15, try_checkpoint_file}};
 
 int run(int argc, char** argv) {
   long tries = 2000, single = -1;
