@@ -145,7 +145,7 @@ std::string unlikely(const std::vector<double>& particles, const std::vector<dou
   for (int d = 0; d < 3; ++d) {
     all *= double(cuts[d].size()) - 1;
     if (!ascends(borders[d], 0, 1, false)) return std::string(kBorders[d]) + " doesn't ascend from 0 to 1";
-    if (!cuts[d].empty() || !ascends(cuts[d], 0, cuts[d].back(), true))
+    if (cuts[d].empty() || !ascends(cuts[d], 0, cuts[d].back(), true))
       return std::string(kCuts[d]) + " doesn't cut the cells in parts";
     for (std::size_t r = std::size_t(d); r < of_rank.size(); r += 3)
       if (!whole({of_rank[r]}, 0, double(cuts[d].size()) - 2)) return "/ranks/fluid_brick names no brick";
