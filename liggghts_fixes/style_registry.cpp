@@ -7,6 +7,7 @@
 
 #include <map>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -45,7 +46,12 @@ LAMMPS_NS::Fix* make_fix_twogrid(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg
 FixCreator stock_wall = nullptr;  // LIGGGHTS' own, as its map held it
 const twogrid::ContactKernel* contact_kernel = nullptr;
 
+/// While LIGGGHTS makes a fix of an ID that is there, the old one's place is empty, and walls of grains trip over it.
 LAMMPS_NS::Fix* make_wall(LAMMPS_NS::LAMMPS* lammps, int narg, char** arg) {
+  for (int i = 0; i < lammps->modify->nfix; ++i)
+    if (!lammps->modify->fix[i])
+      twogrid::refuse("fix " + std::string(arg[0]) + " wall/gran", "another fix of this ID",
+                      "an ID of its own, or 'unfix " + std::string(arg[0]) + "' before it");
   LAMMPS_NS::Fix* plane = twogrid::make_plane_wall(lammps, narg, arg, *contact_kernel);
   return plane ? plane : stock_wall(lammps, narg, arg);
 }

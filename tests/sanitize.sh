@@ -14,8 +14,9 @@ set -eu
 cd "$(dirname "$0")/.."
 cases/setup.sh
 [ -f build-sanitize/build.ninja ] || cmake --preset sanitize >build.log 2>&1 || { cat build.log >&2; exit 1; }
-ninja -C build-sanitize unit_tests twogrid
+ninja -C build-sanitize unit_tests twogrid fuzz
 export ASAN_OPTIONS="detect_leaks=0:abort_on_error=0:exitcode=99:${ASAN_OPTIONS:-}"
 export UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1:${UBSAN_OPTIONS:-}"
 tests='^unit/.*_np[12]$|^(scripts|fixed_particles|action_reaction|come_and_go|watched_drag|restart|watched)$'
+build-sanitize/tests/fuzz --tries 20000
 exec ctest --test-dir build-sanitize --output-on-failure --no-tests=error -j "$(nproc)" -R "$tests" "$@"
