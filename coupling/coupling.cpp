@@ -61,6 +61,7 @@ class Coupling::Impl {
   void advance(Particles& p, int steps, double dem_dt, bool check);
   void force(Particles& p, double dem_dt, bool accumulate);
   void move_region(const ParticleRegion& region);
+  void restored() { void_fraction_.restored(), report_.take(state_, fluid_.time()); }
 
   CouplingState state_;
   Report report_;
@@ -427,9 +428,8 @@ void Coupling::add_model(std::unique_ptr<ExchangeModel> model) {
 void Coupling::set_gravity(const std::vector<Weight>& weights) {
   impl_->forces_.set_gravity(weights);
 }
-
 void Coupling::restored() {
-  impl_->report_.take(impl_->state_, impl_->fluid_.time());
+  impl_->restored();
 }
 Report& Coupling::report_to_restore() {
   return impl_->report_;

@@ -41,7 +41,7 @@ struct StepForcesState {
 struct DepositState {
   CellField<ParticleGrid> eps;                   // void fraction on own nodes and a halo of one
   double largest_radius = 0;                     // of all particles (m)
-  double eps_min = 1;                            // of own nodes
+  double eps_min = 1;                            // of own nodes; follows from eps
   double volume_moved = 0, volume_unplaced = 0;  // m3
   double volume = 0;                             // of own cells (m3)
   bool still = false;                            // nothing moved: it may be that of the next coupling too
@@ -91,7 +91,7 @@ struct CouplingState {
     show_array("history_now", s.history.now, f), show_array("history_rate", s.history.rate, f);
     show_array("history_slope", s.history.slope_begin, f), f("history_interval", s.history.interval);
     show_array("deposit_eps", s.deposit.eps, f), f("deposit_largest_radius", s.deposit.largest_radius);
-    f("deposit_eps_min", s.deposit.eps_min), f("deposit_moved", s.deposit.volume_moved);
+    f("deposit_moved", s.deposit.volume_moved);
     f("deposit_unplaced", s.deposit.volume_unplaced), f("deposit_volume", s.deposit.volume);
     f("deposit_still", s.deposit.still), f("deposit_particles", s.deposit.particles);
     f("change_resting", s.change.resting), show_array("change_rest_eps", s.change.rest_eps, f);

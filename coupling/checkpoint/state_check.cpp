@@ -36,7 +36,6 @@ EntryRange range_of(const std::string& path) {
                                                          {"/coupling/history_now", kOpen},
                                                          {"/coupling/history_interval", kAmount},
                                                          {"/coupling/deposit_eps", kOpen},
-                                                         {"/coupling/deposit_eps_min", kAmount},
                                                          {"/coupling/deposit_largest_radius", kAmount},
                                                          {"/coupling/deposit_volume", kAmount},
                                                          {"/coupling/deposit_particles", kNumber},

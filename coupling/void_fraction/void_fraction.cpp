@@ -74,6 +74,12 @@ void VoidFraction::deposit(const Particles& p, const Selection& selection, const
   state_.volume = ledger.deposited_volume.value();
 }
 
+void VoidFraction::restored() {
+  state_.eps_min = 1;
+  if (state_.eps.size() == 0) return;
+  for_each(own_nodes_, [&](int i, int j, int k) { state_.eps_min = std::min(state_.eps_min, state_.eps(i, j, k)); });
+}
+
 void VoidFraction::check_room() const {
   double eps_min;
   MPI_Allreduce(&state_.eps_min, &eps_min, 1, MPI_DOUBLE, MPI_MIN, comm_);

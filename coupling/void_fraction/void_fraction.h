@@ -39,6 +39,8 @@ class VoidFraction {
   const CellField<FineGrid>* replacement(const Particles& p, const Selection& selection, const Census& census,
                                          Interphase& exchange);
   VoidHistory& history() { return history_; }
+  /// state.deposit has been filled, perhaps by another number of ranks.
+  void restored();
 
   /// selection: of now. Collective.
   void rest(const Particles& p, const Selection& selection);

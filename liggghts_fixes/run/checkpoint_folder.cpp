@@ -168,6 +168,13 @@ std::string CheckpointFolder::content(const std::string& file) {
   return std::string((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
 }
 
+double CheckpointFolder::size(const std::string& path) {
+  double bytes = 0;
+  std::error_code e;
+  for (fs::directory_iterator it(path, e), end; !e && it != end; it.increment(e)) bytes += double(it->file_size(e));
+  return bytes;
+}
+
 void CheckpointFolder::add(const std::string& name, const std::string& text) const {
   const std::string failure = written(part() + "/" + name, text);
   if (!failure.empty()) not_written(path_, failure);

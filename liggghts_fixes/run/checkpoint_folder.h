@@ -26,6 +26,8 @@ class CheckpointFolder {
   std::string begin(double bytes) const;
   /// Adds a file of this text to what is being filled. Throws std::runtime_error with a sentence.
   void add(const std::string& name, const std::string& text) const;
+  /// Of all files of a checkpoint, bytes.
+  static double size(const std::string& path);
   static std::string content(const std::string& file);
   /// What is filled becomes a checkpoint, of a number above `above`; all but the last `keep` are removed. Returns its path.
   /// Throws std::runtime_error with a sentence; then those before are as they were.

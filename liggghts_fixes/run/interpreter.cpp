@@ -93,7 +93,7 @@ void Interpreter::agree(const std::string& sentence) const {
 void Interpreter::run(const std::function<bool()>& stop) {
   for (std::string line; next_line(line);) {
     execute(line);
-    if (stop()) return;
+    if (quits_ || stop()) return;
   }
 }
 
@@ -170,6 +170,7 @@ void Interpreter::execute_parsed() {
   Input& in = *lammps_.input;
   const std::string name = Inside::the_command(in);
   if (name == "if") return choose();
+  if (name == "quit") return end_script();
   Command command{name};
   command.insert(command.end(), in.arg, in.arg + in.narg);
   if (name == "clear" && command.size() == 1) forget_scene(done_);
@@ -180,6 +181,12 @@ void Interpreter::execute_parsed() {
   if (rank_of(lammps_.world) != 0) return;
   if (name == "include") names_.push_back(command.at(1));
   if (jumps && command.at(1) != "SELF") names_.back() = command[1];
+}
+
+/// `quit` is the script's end like any other: LIGGGHTS' own leaves the process with the code of an error.
+void Interpreter::end_script() {
+  pending_.clear();
+  quits_ = true;
 }
 
 /// if CONDITION then COMMANDS [elif CONDITION COMMANDS] [else COMMANDS]

@@ -25,7 +25,7 @@ class Interpreter {
   /// script: file of -in; empty: read from the standard input. variables: of the command line. Both as given.
   Interpreter(LAMMPS_NS::LAMMPS& lammps, std::string script, std::vector<std::vector<std::string>> variables);
 
-  /// Executes lines until the script ends, or until stop() says so after a command. Collective.
+  /// Executes lines until the script ends (or says `quit`), or until stop() says so after a command. Collective.
   void run(const std::function<bool()>& stop);
   /// Executes one line, and what an `if` in it chooses.
   void one(const std::string& line);
@@ -52,6 +52,7 @@ class Interpreter {
   void execute(const std::string& line);
   void execute_parsed();
   void choose();
+  void end_script();
   void again(Command command, const std::string& particles);
   std::string open_files(const ResumePoint& point);
   /// Of rank 0; throws on all ranks.
@@ -62,6 +63,7 @@ class Interpreter {
   std::vector<std::vector<std::string>> variables_;
   std::function<void()> on_run_;
   std::vector<int> masks_;  // groups of this rank's particles, as the restart file has them
+  bool quits_ = false;
   std::deque<std::string> pending_;
   std::vector<Command> done_;
   // Rank 0's.

@@ -18,11 +18,13 @@
 
 #include "cfd/parallel/ranks.h"
 #include "liggghts_fixes/fix_twogrid.h"
+#include "liggghts_fixes/liggghts/not_restored.h"
 #include "liggghts_fixes/liggghts/old_output.h"
 #include "liggghts_fixes/liggghts/random_state.h"
 #include "liggghts_fixes/liggghts/restart_file.h"
 #include "liggghts_fixes/report/status.h"
 #include "liggghts_fixes/run/replay.h"
+#include "liggghts_fixes/script/words.h"
 #include "liggghts_fixes/style_registry.h"
 
 namespace twogrid {
@@ -61,6 +63,22 @@ std::vector<FixTwogrid*> fluids(LAMMPS& lammps) {
     if (auto* f = dynamic_cast<FixTwogrid*>(lammps.modify->fix[i])) found.push_back(f);
   return found;
 }
+
+/// LIGGGHTS initialises all fixes before it writes a restart file: as in the run in hand, whose ramps they may ask for.
+class AsInRun {
+ public:
+  AsInRun(Update& update, const RunRequest& r) : update_(update) {
+    update.whichflag = 1;
+    update.beginstep = r.start.value_or(r.part_begin(update.ntimestep));
+    update.endstep = std::max<bigint>(r.stop.value_or(r.part_end(update.ntimestep)), update.beginstep);
+  }
+  ~AsInRun() { update_.whichflag = 0, update_.beginstep = update_.endstep = 0; }
+  AsInRun(const AsInRun&) = delete;
+  AsInRun& operator=(const AsInRun&) = delete;
+
+ private:
+  Update& update_;
+};
 
 }  // namespace
 
@@ -200,13 +218,17 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
   if (!interpreter_.from_file())
     return say("twogrid: ended by signal " + std::to_string(signal) +
                "; a script that comes from the standard input can't be gone on with, and no checkpoint is written\n");
+  const double begin = MPI_Wtime();
   const CheckpointFolder folder = this->folder();
   double bytes = 8.0 * lammps_.atom->avec->size_restart() + 65536;
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lammps_.world);
   const std::string part = on_rank_0(lammps_.world, [&] { return folder.begin(bytes); });
   std::string path;
   try {
-    stock_write_restart(lammps_, part + "/" + kParticlesFile);
+    {
+      const AsInRun as_in_run(*lammps_.update, request);
+      stock_write_restart(lammps_, part + "/" + kParticlesFile);
+    }
     for (FixTwogrid* f : fluids(lammps_))
       if (f->has_state()) f->write_checkpoint(part + "/" + f->id + ".h5");
     const std::string insertion = RandomState(lammps_).text(lammps_.world);
@@ -228,7 +250,10 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
   }
   early_end_.checkpoint_written();
   Status::of_process().checkpoint(path, lammps_.update->ntimestep);
-  say("twogrid: checkpoint " + path +
+  if (!std::exchange(limits_said_, true))
+    for (const std::string& limit : not_restored(lammps_)) say("WARNING: twogrid: checkpoint: " + limit + "\n");
+  const double size = rank_of(lammps_.world) == 0 ? CheckpointFolder::size(path) : 0;
+  say("twogrid: checkpoint " + path + ", " + brief(size / 1048576) + " MB in " + brief(MPI_Wtime() - begin) + " s" +
       (signal != 0 ? ", ended by signal " + std::to_string(signal) + ": -restart goes on from it\n" : "\n"));
 }
 
@@ -279,6 +304,7 @@ void Session::go_on() {
   if (!request) throw std::invalid_argument("-restart: a record of a checkpoint with a run that can't be understood");
   request->end = end;
   if (update.ntimestep >= end && point.step > point.begin) {
+    const AsInRun as_in_run(update, *request);
     lammps_.init();  // fixes that a run makes take what the restart file holds for them; new ones don't
     return;
   }

@@ -41,6 +41,7 @@ class Session {
   Interpreter interpreter_;
   EarlyEnd early_end_;
   Checkpoint from_;
+  bool limits_said_ = false;  // what LIGGGHTS doesn't restore
   bool ended_ = false;  // by a signal; what there was to keep is kept
 };
 

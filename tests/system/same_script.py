@@ -46,7 +46,7 @@ dump_modify d sort id format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g
 fix says all print 40 "$(step) $(count(low))" file says.txt screen no
 """
 SCENES = {
-    "one run, then another inlet": GAS + """
+    "one run, then another inlet": "variable blow equal ramp(3,5)\n" + GAS.replace("inlet 0 0 5.0", "inlet 0 0 v_blow") + """
 run 200
 fix_modify gas boundary zlo patch jet rect 0.0096 0.0120 0 0.0048 inlet 0 0 4.0
 set region pour vz 0.01

@@ -1,0 +1,61 @@
+#include "liggghts_fixes/liggghts/not_restored.h"
+
+#include <fix.h>
+#include <input.h>
+#include <lammps.h>
+#include <modify.h>
+#include <variable.h>
+
+#include <cstring>
+
+#include "liggghts_fixes/private_member.h"
+
+namespace {
+
+struct Formulas {
+  using type = char*** LAMMPS_NS::Variable::*;
+  friend type member(Formulas);
+};
+struct Count {
+  using type = int LAMMPS_NS::Variable::*;
+  friend type member(Count);
+};
+struct Names {
+  using type = char** LAMMPS_NS::Variable::*;
+  friend type member(Names);
+};
+template struct PrivateMember<Formulas, &LAMMPS_NS::Variable::data>;
+template struct PrivateMember<Count, &LAMMPS_NS::Variable::nvar>;
+template struct PrivateMember<Names, &LAMMPS_NS::Variable::names>;
+
+}  // namespace
+
+namespace twogrid {
+
+using namespace LAMMPS_NS;
+
+std::vector<std::string> not_restored(LAMMPS& lammps) {
+  std::vector<std::string> said;
+  const Modify& modify = *lammps.modify;
+  for (int i = 0; i < modify.nfix; ++i) {
+    const std::string id = modify.fix[i]->id, style = modify.fix[i]->style;
+    const std::string fix = "fix " + id + " " + style + ": ";
+    if (style.rfind("ave/", 0) == 0)
+      said.push_back(fix + "a mean that has begun begins anew at a restart");
+    else if (style.rfind("move/mesh", 0) == 0)
+      said.push_back(fix + "the mesh comes back where it was but for round-off");
+    else if (style.rfind("massflow/mesh/sieve", 0) == 0)
+      said.push_back(fix + "its random numbers begin anew at a restart");
+  }
+  const Variable& variable = *lammps.input->variable;
+  for (int i = 0; i < variable.*member(Count()); ++i) {
+    const char* formula = (variable.*member(Formulas()))[i] ? (variable.*member(Formulas()))[i][0] : nullptr;
+    for (const char* word : {"random(", "normal("})
+      if (formula && std::strstr(formula, word))
+        said.push_back("variable " + std::string((variable.*member(Names()))[i]) +
+                       ": its random numbers begin anew at a restart");
+  }
+  return said;
+}
+
+}  // namespace twogrid
