@@ -29,12 +29,13 @@ Layout::Layout(const Grid& grid, std::array<std::vector<int>, 3> cuts, std::vect
 Box Layout::cells(int rank) const {
   Box b;
   for (int d = 0; d < 3; ++d) b.lo[d] = cuts_[d][bricks_[rank][d]], b.hi[d] = cuts_[d][bricks_[rank][d] + 1];
-  return b;
+  return b.empty() ? Box{} : b;
 }
 
 Box Layout::faces(int d, int rank) const {
   Box b = cells(rank);
-  if (!periodic_[d] && b.hi[d] == n_[d] && b.hi[d] > b.lo[d]) ++b.hi[d];
+  if (b.empty()) return b;
+  if (!periodic_[d] && b.hi[d] == n_[d]) ++b.hi[d];
   return b;
 }
 

@@ -18,6 +18,7 @@ class Layout {
   Layout(const Grid& grid, std::array<std::vector<int>, 3> cuts, std::vector<Int3> brick_of_rank = {});
 
   int ranks() const { return int(bricks_.size()); }
+  /// An empty brick is empty in all directions: no row or plane of it has a length.
   Box cells(int rank) const;
   /// Faces normal to d owned by the rank; the last non-empty brick of a direction that is not periodic owns face n too.
   Box faces(int d, int rank) const;
