@@ -69,7 +69,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
     }
     accept(step);
     means_.add(step.dt / interval, state_);
-    monitors_.measure(state_, predictor_.inlet_head(), step.dt / interval, report);
+    monitors_.measure(state_, predictor_.inlet_head(), projection_.velocity_scale(), step.dt / interval, report);
     if (step.implicit_viscosity) projection_.rotate_pressure(properties_.viscosity, state_);
     for (auto& model : models_) model->step(domain_, step, state_);
     done += step.dt;

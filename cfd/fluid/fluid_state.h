@@ -1,5 +1,6 @@
 // The state of the fluid: all that one step hands to the next, and all that others read after it. What is not here is
-// made anew in every step. A copy of the struct is a checkpoint in memory; for_each_entry() walks it by name.
+// made anew in every step. A copy of the struct is a checkpoint in memory; for_each_entry() walks by name what one
+// interval leaves to the next: means over an interval are read at its end only, and are none of it.
 #pragma once
 
 #include <array>
@@ -32,16 +33,15 @@ struct FluidState {
   Levels eps;                      // eps^n, eps^{n-1}, eps^{n-2}; with open shares theta eps (open_shares.h)
   Vec3 imposed{0, 0, 0};           // G (Pa/m)
   double largest_viscosity = 0;    // of the last step, where it varies: bounds the next (Pa s); 0: not known
-  double typical_conductance = 0;  // the pressure solver's range is laid about it (m3 s/kg); 0: not known
   CellField<FineGrid> phi;         // change of p in the last step: the pressure solver's next first guess (Pa)
   std::vector<ModelField> fields;  // of models (fluid_model.h)
   CellField<FineGrid> response;    // potential answering a unit mean gradient: first guess too; only with a flow rate
   // Read after a step.
-  FaceField<FineGrid> eps_f;        // eps^n on faces: flux share, and inertia share where i_f is not in use
-  FaceField<FineGrid> i_f;          // inertia share; only with open shares
-  CellField<FineGrid> eps_open;     // eps^n of the open space; the same
-  Rate rate;                        // of the last step
-  double velocity_scale = 0;        // largest |eps u| (m/s)
+  FaceField<FineGrid> eps_f;     // eps^n on faces: flux share, and inertia share where i_f is not in use
+  FaceField<FineGrid> i_f;       // inertia share; only with open shares
+  CellField<FineGrid> eps_open;  // eps^n of the open space; the same
+  Rate rate;                     // of the last step
+  // Read at the end of an interval.
   bool one_step = true;             // the last interval was one step: its mean of u is u
   FaceField<FineGrid> mean_u;       // over the last interval, unless one_step
   FaceField<FineGrid> mean_grad_p;  // the same (Pa/m); only if wanted
@@ -58,15 +58,12 @@ struct FluidState {
     show_array("p", s.p, f);
     show_components(s.eps, {"eps_0", "eps_1", "eps_2"}, f);
     f("imposed_x", s.imposed[0]), f("imposed_y", s.imposed[1]), f("imposed_z", s.imposed[2]);
-    f("largest_viscosity", s.largest_viscosity), f("typical_conductance", s.typical_conductance);
+    f("largest_viscosity", s.largest_viscosity);
     for (auto& field : s.fields) show_array(field.name.c_str(), field.values, f);
     show_array("phi", s.phi, f), show_array("response", s.response, f);
     show_components(s.eps_f, {"eps_f_x", "eps_f_y", "eps_f_z"}, f);
     show_components(s.i_f, {"i_f_x", "i_f_y", "i_f_z"}, f), show_array("eps_open", s.eps_open, f);
     f("rate_0", s.rate.b0), f("rate_1", s.rate.b1), f("rate_2", s.rate.b2), f("rate_excess", s.rate.excess);
-    f("velocity_scale", s.velocity_scale), f("one_step", s.one_step);
-    show_components(s.mean_u, {"mean_u_x", "mean_u_y", "mean_u_z"}, f);
-    show_components(s.mean_grad_p, {"mean_grad_p_x", "mean_grad_p_y", "mean_grad_p_z"}, f);
   }
 };
 

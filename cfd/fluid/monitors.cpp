@@ -60,7 +60,8 @@ TWOGRID_VECTORISED void Monitors::largest_imbalance(const FluidState& state, dou
   }
 }
 
-void Monitors::measure(const FluidState& state, double inlet_head, double share, FluidReport& report) const {
+void Monitors::measure(const FluidState& state, double inlet_head, double velocity_scale, double share,
+                       FluidReport& report) const {
   ++report.steps;
   report.dt = state.dt_previous;
   double worst = 0;
@@ -91,7 +92,7 @@ void Monitors::measure(const FluidState& state, double inlet_head, double share,
   double h = 1;
   for (const Axis& axis : domain_.grid.axis) h *= axis.length() / axis.n();
   const double rounding = 1e-13 * std::abs(state.rate.b0) * std::cbrt(h);
-  report.divergence_error = state.velocity_scale > rounding ? worst / state.velocity_scale : 0;
+  report.divergence_error = velocity_scale > rounding ? worst / velocity_scale : 0;
   report.inflow = sum[0], report.outflow = sum[1], report.displaced = sum[2];
   report.pressure_drop += share * ((sum[4] > 0 ? sum[3] / sum[4] : 0) - (sum[6] > 0 ? sum[5] / sum[6] : 0));
 }

@@ -16,8 +16,9 @@ class Monitors {
       : domain_(domain), settings_(settings), row_a_(domain.local.size(0)), row_b_(domain.local.size(0)) {}
 
   /// Adds the step that led to the state to the interval's report. share: the step's of the interval; inlet_head:
-  /// Predictor's. Collective.
-  void measure(const FluidState& state, double inlet_head, double share, FluidReport& report) const;
+  /// Predictor's; velocity_scale: Projection's. Collective.
+  void measure(const FluidState& state, double inlet_head, double velocity_scale, double share,
+               FluidReport& report) const;
   /// Relative difference of two states, as FluidReport::step_error. Collective.
   double difference(const FluidState& state, const FluidState& other) const;
   /// As FluidSolver's. Collective.

@@ -13,6 +13,7 @@ Projection::Projection(FluidDomain& domain, const FluidSettings& settings)
     : domain_(domain),
       pressure_solver_(std::make_unique<PressureSolver>(domain.comm, domain.grid, domain.layout, settings.pressure_rtol,
                                                         domain.boundaries.halo())),
+      density_(settings.density),
       imbalance_(domain.own),
       row_a_(domain.local.size(0)),
       row_b_(domain.local.size(0)) {}
@@ -103,7 +104,7 @@ int Projection::project(FluidState& state, const Step& step, const Inertia& iner
   const double total_volume = domain_.volume();
   double whole = sum;
   Reduction::over_ranks(domain_.comm, {&scale}, {&whole});
-  state.velocity_scale = scale;
+  velocity_scale_ = scale;
   if (!domain_.boundaries.open()) {
     // A closed or periodic domain: what is left over is the round-off of the solid volume's conservation.
     state.rate.excess = whole / total_volume;
@@ -113,12 +114,12 @@ int Projection::project(FluidState& state, const Step& step, const Inertia& iner
     });
   }
   if (step.implicit_viscosity) divergence_ = imbalance_;
-  pressure_solver_->set_typical_conductance(state.typical_conductance);
-  pressure_solver_->set_operator(conductance, !domain_.boundaries.open());
-  state.typical_conductance = pressure_solver_->typical_conductance();
-  // Continuity error wanted: |r| h/(U V) <= rtol in the root mean square over cells.
   const double cells = domain_.cells();
   const double cell_volume = total_volume / cells, h = std::cbrt(cell_volume);
+  // Of a cube of fluid without particles. By the step alone, so that it is no state.
+  pressure_solver_->set_typical_conductance(step.dt / (step.a0 * density_) * h);
+  pressure_solver_->set_operator(conductance, !domain_.boundaries.open());
+  // Continuity error wanted: |r| h/(U V) <= rtol in the root mean square over cells.
   // Not below what rounding leaves of the flows and of the differences of eps.
   const double rounding = 4e-16 * (6 * scale / h + step.a0 / step.dt);
   const double atol = std::max(pressure_solver_->rtol() * scale / h, rounding) * cell_volume * std::sqrt(cells);

@@ -30,6 +30,8 @@ class Projection {
   /// The rotational part of p^{n+1}, after all that the fluid felt (p^n + phi) has been measured; steps with implicit
   /// viscosity. Collective.
   void rotate_pressure(const Property& mu, FluidState& state) const;
+  /// Largest |eps u*| of the last project() (m/s).
+  double velocity_scale() const { return velocity_scale_; }
   /// With the operator of the last project().
   PressureSolver& solver() { return *pressure_solver_; }
 
@@ -51,6 +53,8 @@ class Projection {
 
   FluidDomain& domain_;
   std::unique_ptr<PressureSolver> pressure_solver_;
+  const double density_;
+  double velocity_scale_ = 0;
   CellField<FineGrid> imbalance_;
   CellField<FineGrid> divergence_;     // implicit viscosity: imbalance_ before the pressure solver uses it
   std::vector<double> row_a_, row_b_;  // one value a cell of a row

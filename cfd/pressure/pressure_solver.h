@@ -32,8 +32,7 @@ class PressureSolver {
   /// Used in place: a halo of one is filled, and it must stay as it is for the solves.
   void set_operator(FaceField<FineGrid>& conductance, bool singular);
   void set_operator(const FaceField<FineGrid>& conductance, bool singular);
-  /// A typical conductance, of the first operator that has one; the range of single precision is laid about it, so that
-  /// the last bits depend on it. May be set to that of another solver, which then gives the same bits. 0: not known.
+  /// A typical conductance; the range of single precision is laid about it. 0, or not set: that of the next operator.
   double typical_conductance() const;
   void set_typical_conductance(double conductance);
 

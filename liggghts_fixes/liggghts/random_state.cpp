@@ -48,14 +48,14 @@ PRIVATE(StreamCounts, FixInsertStream, bool, do_ins_fraction_calc);
 PRIVATE(MeshRandom, MultiNodeMesh<3>, RanPark*, random_);
 PRIVATE(DistributionRandom, FixParticledistributionDiscrete, RanPark*, random);
 PRIVATE(TemplateRandom, FixTemplateSphere, RanPark*, random_insertion);
-PRIVATE(TemplatePoints, FixTemplateSphere, RanPark*, random_mc);
 PRIVATE(Kept, RanPark, int, save);
 PRIVATE(Second, RanPark, double, second);
 #undef PRIVATE
 
-/// Calls f(name, generator) and g(name, number) for all that there are.
-template <class F, class G>
-void for_each(LAMMPS& lammps, F&& f, G&& g) {
+/// Calls f(name, generator) and g(name, number) for all that there are; after f normal(name, generator) for those that
+/// are asked for normal numbers too, of which they make two at a time.
+template <class F, class G, class H>
+void for_each(LAMMPS& lammps, F&& f, G&& g, H&& normal) {
   Domain& domain = *lammps.domain;
   for (int r = 0; r < domain.nregion; ++r)
     f("region_" + std::string(domain.regions[r]->id), domain.regions[r]->*member(RegionRandom()));
@@ -63,7 +63,7 @@ void for_each(LAMMPS& lammps, F&& f, G&& g) {
   for (int i = 0; i < modify.nfix; ++i) {
     const std::string name = "fix_" + std::string(modify.fix[i]->id);
     if (auto* insert = dynamic_cast<FixInsert*>(modify.fix[i])) {
-      f(name, insert->*member(InsertRandom()));
+      f(name, insert->*member(InsertRandom())), normal(name, insert->*member(InsertRandom()));
       g(name + "_inserted", insert->*member(Inserted())), g(name + "_mass", insert->*member(InsertedMass()));
       g(name + "_first", insert->*member(FirstStep())), g(name + "_recent", insert->*member(RecentStep()));
       g(name + "_final", insert->*member(FinalStep())), g(name + "_next", insert->next_reneighbor);
@@ -82,7 +82,7 @@ void for_each(LAMMPS& lammps, F&& f, G&& g) {
       f(name, distribution->*member(DistributionRandom()));
     if (auto* grain = dynamic_cast<FixTemplateSphere*>(modify.fix[i])) {
       f(name, grain->*member(TemplateRandom()));
-      f(name + "_points", grain->*member(TemplatePoints()));
+      normal(name, grain->*member(TemplateRandom()));
     }
   }
 }
@@ -108,11 +108,14 @@ RandomState::RandomState(LAMMPS& lammps) {
       [&](const std::string& name, RanPark* random) {
         if (!random) return;
         numbers_.emplace_back(plain(name) + "_random", random->state());
+      },
+      [&](const std::string& name, auto number) { numbers_.emplace_back(plain(name), double(number)); },
+      [&](const std::string& name, RanPark* random) {
+        if (!random) return;
         const bool kept = random->*member(Kept()) == 1;  // of a pair of normal numbers the second
         numbers_.emplace_back(plain(name) + "_kept", kept);
         numbers_.emplace_back(plain(name) + "_second", kept ? random->*member(Second()) : 0.0);
-      },
-      [&](const std::string& name, auto number) { numbers_.emplace_back(plain(name), double(number)); });
+      });
 }
 
 void RandomState::restore(LAMMPS& lammps) const {
@@ -130,11 +133,14 @@ void RandomState::restore(LAMMPS& lammps) const {
         const double state = find(name + "_random", 0);
         if (!random || !(state > 0)) return;
         random->reset(int(state));
-        random->*member(Kept()) = find(name + "_kept", 0) == 1;
-        random->*member(Second()) = find(name + "_second", 0);
       },
       [&](const std::string& name, auto& number) {
         number = std::decay_t<decltype(number)>(find(name, double(number)));
+      },
+      [&](const std::string& name, RanPark* random) {
+        if (!random) return;
+        random->*member(Kept()) = find(name + "_kept", 0) == 1;
+        random->*member(Second()) = find(name + "_second", 0);
       });
 }
 

@@ -47,7 +47,7 @@ void RunWatch::warn_of_unused_options(const std::string& beginning, const std::s
 }
 
 void RunWatch::begin_run(long long steps, Schedule& schedule) {
-  schedule.count_particles(particles_of_all_ranks(lammps_) - inserted_particles(lammps_));
+  look(schedule, -1);  // a run that goes on may have to tell of those that vanished before
   progress_.begin(MPI_Wtime(), steps);
 }
 

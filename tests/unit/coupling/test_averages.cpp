@@ -4,6 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include "cfd/parallel/ranks.h"
 #include "coupling/output/averages.h"
@@ -152,6 +156,60 @@ TEST_F(AveragesTest, TheOrderOfParticlesDoesNotCount) {
     sums[turned].assign(t.data(), t.data() + t.size());
   }
   EXPECT_TRUE(sums[0] == sums[1]);
+}
+
+// Without it, a part of the sums could be carried along for nothing, or be lost at a restart: the means of a long run
+// would begin anew in silence, or their batches overlap.
+TEST_F(AveragesTest, GoOnFromTheirEntriesAndNeedEachOfThem) {
+  const ParticleGrid coarse(fluid_.grid(), settings_.ratio);
+  const auto add = [&](Averages& a, int from, int to) {
+    for (int n = from; n < to; ++n) {
+      fluid_.set(n);
+      Cloud cloud(60);
+      for (auto& v : cloud.v) v[2] += 0.1 * n;
+      a.add(0.01 / (n + 3), fluid_, cloud.view());
+    }
+  };
+  const auto bits = [](AveragesState& s) {
+    std::string all;
+    AveragesState::for_each_entry(s, [&](const std::string&, const auto& entry) {
+      if constexpr (std::is_arithmetic_v<std::decay_t<decltype(entry)>>)
+        all.append(reinterpret_cast<const char*>(&entry), sizeof entry);
+      else
+        all.append(reinterpret_cast<const char*>(entry.data()), entry.size() * sizeof(double));
+    });
+    return all;
+  };
+  // All batches are in use, the last one half full; then they are merged.
+  Averages whole(MPI_COMM_WORLD, fluid_.grid(), fluid_.layout(), coarse);
+  add(whole, 0, 31), whole.gather();
+  const AveragesState then = whole.state();
+  add(whole, 31, 40), whole.gather();
+  const std::string right = bits(whole.state());
+  std::vector<std::string> names{""};
+  AveragesState::for_each_entry(then, [&](const std::string& name, const auto&) { names.push_back(name); });
+  EXPECT_EQ(names.size(), 1u + 8 + 3 * AveragesState::kBatches);
+  for (const std::string& but : names) {
+    Averages other(MPI_COMM_WORLD, fluid_.grid(), fluid_.layout(), coarse);
+    AveragesState fresh = other.state();
+    std::map<std::string, double> numbers;
+    AveragesState::for_each_entry(fresh, [&](const std::string& name, auto& entry) {
+      if constexpr (std::is_arithmetic_v<std::decay_t<decltype(entry)>>) numbers[name] = double(entry);
+    });
+    other.state() = then;
+    AveragesState::for_each_entry(other.state(), [&](const std::string& name, auto& entry) {
+      using T = std::decay_t<decltype(entry)>;
+      if (name != but) return;
+      if constexpr (std::is_arithmetic_v<T>)
+        entry = T(numbers.at(name));
+      else
+        std::fill(entry.data(), entry.data() + entry.size(), 0.0);
+    });
+    add(other, 31, 40), other.gather();
+    int differs = bits(other.state()) != right;
+    MPI_Allreduce(MPI_IN_PLACE, &differs, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+    EXPECT_EQ(differs, but.empty() ? 0 : 1) << "without " << but;
+  }
 }
 
 }  // namespace

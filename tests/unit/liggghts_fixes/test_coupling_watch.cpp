@@ -3,7 +3,10 @@
 // warning at every coupling, or one never again however bad it gets; a remedy that asks for what is there already.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "liggghts_fixes/report/coupling_watch.h"
 
@@ -112,6 +115,42 @@ TEST(CouplingWatch, CourantNumberWithDt) {
   EXPECT_TRUE(look(1001, move_03()).empty());  // without dt the step follows cfl
   s.fluid.convection = Convection::kNone;      // nothing to be unstable
   EXPECT_TRUE(look(1001, CouplingWatch(s)).empty());
+}
+
+// Without this test a run that goes on from a checkpoint could say again what was said, or lack a part of what it knows.
+TEST(CouplingWatch, GoesOnFromItsEntriesAndNeedsEachOfThem) {
+  Settings s;
+  s.fluid.dt = 1e-4, s.eps_min = 0.3;
+  const auto look = [](CouplingWatch& w, double much) {
+    Report r = good();
+    r.cfl = 3 * much, r.travel = 0.6 * much, r.volume_moved = 0.02 * much * r.solid_volume;
+    r.volume_unplaced = 1e-8 * much * r.solid_volume;
+    return w.look(r, 10, 1e-5);
+  };
+  const auto course = [&](CouplingWatch w) {
+    std::vector<std::string> said;
+    for (double much : {1.0, 1.5, 2.5, 1.0, 6.0})
+      for (const std::string& sentence : look(w, much)) said.push_back(sentence);
+    return said;
+  };
+  CouplingWatch whole(s);
+  EXPECT_EQ(look(whole, 1.2).size(), 4u);
+  const std::vector<std::string> right = course(whole);
+  EXPECT_EQ(right.size(), 8u);  // each again at 2.5 and at 6
+  int entries = 0;
+  CouplingWatch::for_each_entry(whole, [&](const std::string& name, double&) {
+    ++entries;
+    for (const std::string& but : {std::string(), name}) {
+      std::map<std::string, double> values;
+      CouplingWatch::for_each_entry(whole, [&](const std::string& n, double& entry) { values[n] = entry; });
+      CouplingWatch other(s);
+      CouplingWatch::for_each_entry(other, [&](const std::string& n, double& entry) {
+        if (n != but) entry = values.at(n);
+      });
+      EXPECT_EQ(course(other) == right, but.empty()) << "without " << but;
+    }
+  });
+  EXPECT_EQ(entries, 4);
 }
 
 TEST(Losses, ToldAndLimited) {
