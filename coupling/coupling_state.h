@@ -87,12 +87,12 @@ struct CouplingState {
   template <class S, class F>
   static void for_each_entry(S& s, F&& f) {
     f("started", s.started), f("holding", s.holding), f("drag_number", s.drag_number), f("follow", s.follow);
-    f("known_volume", s.known_volume), f("grown", s.grown), f("repeated", s.repeated);
+    f("known_volume", s.known_volume), f("grown_of_rank", s.grown), f("repeated", s.repeated);
     show_array("history_now", s.history.now, f), show_array("history_rate", s.history.rate, f);
     show_array("history_slope", s.history.slope_begin, f), f("history_interval", s.history.interval);
     show_array("deposit_eps", s.deposit.eps, f), f("deposit_largest_radius", s.deposit.largest_radius);
     f("deposit_moved", s.deposit.volume_moved);
-    f("deposit_unplaced", s.deposit.volume_unplaced), f("deposit_volume", s.deposit.volume);
+    f("deposit_unplaced", s.deposit.volume_unplaced), f("deposit_volume_of_rank", s.deposit.volume);
     f("deposit_still", s.deposit.still), f("deposit_particles", s.deposit.particles);
     f("change_resting", s.change.resting), show_array("change_rest_eps", s.change.rest_eps, f);
     f("change_changed", s.change.changed), show_array("change_eps", s.change.eps, f);

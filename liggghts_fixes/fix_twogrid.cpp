@@ -179,7 +179,7 @@ void FixTwogrid::build() {
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, region.lo, region.hi, region.reach);
   install_models({script_, *fluid_, *coupling_, [this](const std::string& n) { return particle_property(*lmp, n); }});
   watch_.look_at(CouplingWatch(s));
-  if (balance_option()) balance_ = std::make_unique<Balance>(*lmp);
+  make_balance();
   open_output();
   watch_.say(scene_report(script_, grid, facts));
   for (const std::string& sentence : doubts(*lmp)) watch_.warn(sentence);

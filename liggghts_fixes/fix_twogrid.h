@@ -98,6 +98,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void look_at_scene();
   void build();
   void open_output();
+  void make_balance();
   void read_beginning();
   Layout layout(const FineGrid& grid) const;
   CheckpointParts checkpoint_parts(RandomState& random);

@@ -27,7 +27,7 @@ CheckpointParts FixTwogrid::checkpoint_parts(RandomState& random) {
   std::vector<NumberList> numbers{numbers_of("watch", watch_.coupling()), numbers_of("random", random)};
   numbers.back().of_script = true;
   if (accuracy_.on()) numbers.push_back(numbers_of("accuracy", accuracy_));
-  if (balance_) numbers.push_back(numbers_of("balance", *balance_));
+  if (balance_ && !beginning_) numbers.push_back(numbers_of("balance", *balance_));
   return {world, script_.settings, *fluid_, *coupling_, schedule_.state(), output_.get(), std::move(numbers)};
 }
 
@@ -55,6 +55,14 @@ void FixTwogrid::go_on_from(const std::string& path) {
     if (beginning_->ranks.ordered) restore_order(*lmp, beginning_->ranks);
     beginning_->ranks.ordered = false;
   });
+}
+
+/// Before a run's set-up, which may move borders: with what was known of them.
+void FixTwogrid::make_balance() {
+  if (!balance_option()) return;
+  balance_ = std::make_unique<Balance>(*lmp);
+  if (beginning_ && beginning_->ranks.known())
+    read_numbers(world, script_.checkpoint_read, fluid_->layout(), numbers_of("balance", *balance_));
 }
 
 /// What a checkpoint says before the fluid is made.

@@ -293,6 +293,12 @@ void check_scene(const std::string& path, const Beginning& beginning, const Sett
         refuse_file(path, std::string(", whose ") + kCuts[d] + " cuts other cells than there are", "one of this scene");
 }
 
+void read_numbers(MPI_Comm comm, const std::string& path, const Layout& layout, NumberList list) {
+  Hdf5File file(comm, path, Hdf5File::Mode::kRead, 0, kKeyword);
+  if (file.has("/" + list.group)) StateFile(comm, layout, layout, file).read("/" + list.group, list);
+  file.close();
+}
+
 void read_checkpoint(const std::string& path, const CheckpointParts& c) {
   const Layout nodes = node_layout(c.fluid.layout(), nodes_of(c));
   Hdf5File file(c.comm, path, Hdf5File::Mode::kRead, 0, kKeyword);
@@ -317,9 +323,9 @@ void read_checkpoint(const std::string& path, const CheckpointParts& c) {
   for_each_state(c, [&](const std::string& group, auto& state) {
     if constexpr (std::is_same_v<std::decay_t<decltype(state)>, Report>) {
       each_array(c.fluid.state(), look), each_array(std::as_const(c.coupling.state()), look);
-      const std::string wrong = broken_promise(c.fluid.state(), c.coupling.state(),
-                                               {c.fluid.layout().cells(rank_of(c.comm)), nodes.cells(rank_of(c.comm)),
-                                                c.settings.one_way, c.settings.formulation == Formulation::kA});
+      const std::string wrong =
+          broken_promise(c.fluid.state(), c.coupling.state(),
+                         {c.fluid.layout().cells(rank_of(c.comm)), nodes.cells(rank_of(c.comm)), c.settings.one_way});
       if (!wrong.empty()) file.unfit(wrong);
       c.fluid.restored();
       c.coupling.restored();

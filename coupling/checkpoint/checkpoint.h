@@ -66,6 +66,8 @@ void write_checkpoint(const std::string& path, const CheckpointParts& parts, con
 Beginning read_beginning(MPI_Comm comm, const std::string& path, const Moment& now);
 /// Throws where it belongs to another scene. path: for the sentence.
 void check_scene(const std::string& path, const Beginning& beginning, const Settings& settings, const FineGrid& grid);
+/// Numbers that are needed before the first run's beginning; without them in the file they stay. Collective. Throws likewise.
+void read_numbers(MPI_Comm comm, const std::string& path, const Layout& layout, NumberList list);
 /// In place of the first run's beginning, after read_beginning(): the parts are as they were when it was written.
 /// Collective. Throws likewise.
 void read_checkpoint(const std::string& path, const CheckpointParts& parts);

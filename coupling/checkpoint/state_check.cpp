@@ -26,8 +26,6 @@ EntryRange range_of(const std::string& path) {
                                                          {"/fluid/dt_older", kAmount},
                                                          {"/fluid/idle_steps", kInt},
                                                          {"/fluid/largest_viscosity", kAmount},
-                                                         {"/fluid/typical_conductance", kAmount},
-                                                         {"/fluid/velocity_scale", kAmount},
                                                          {"/fluid/eps_open", kOpen},
                                                          {"/coupling/drag_number", kAmount},
                                                          {"/coupling/follow", kAmount},
@@ -37,7 +35,7 @@ EntryRange range_of(const std::string& path) {
                                                          {"/coupling/history_interval", kAmount},
                                                          {"/coupling/deposit_eps", kOpen},
                                                          {"/coupling/deposit_largest_radius", kAmount},
-                                                         {"/coupling/deposit_volume", kAmount},
+                                                         {"/coupling/deposit_volume_of_rank", kAmount},
                                                          {"/coupling/deposit_particles", kNumber},
                                                          {"/coupling/change_rest_eps", kOpen},
                                                          {"/coupling/change_eps", {-1, 1}},
@@ -70,8 +68,6 @@ EntryRange range_of(const std::string& path) {
 std::string broken_promise(const FluidState& f, const CouplingState& c, const StateShape& shape) {
   const Box& cells = shape.own_cells;
   if (cells.empty()) return "";
-  Box faces = cells;  // and those at their upper sides
-  for (int d = 0; d < 3; ++d) faces.hi[d] += f.p.box().hi[d] > cells.hi[d];
   std::string wrong;
   const auto want = [&](const std::string& name, const Array3<double>& a, const Box& box, bool needed) {
     if (wrong.empty() && (needed || a.size() > 0) && !(a.box() == box))
@@ -83,8 +79,6 @@ std::string broken_promise(const FluidState& f, const CouplingState& c, const St
       want(name + "_" + "xyz"[d], a[d], box, needed || a[0].size() + a[1].size() + a[2].size() > 0);
   };
   const bool fed = !shape.one_way;  // the fluid feels the particles
-  want_all("mean_u", f.mean_u, faces, !f.one_step);
-  want_all("mean_grad_p", f.mean_grad_p, faces, shape.keeps_gradient);
   want("response", f.response, f.p.box(), false);
   want("change_rest_eps", c.change.rest_eps, c.deposit.eps.box(), fed);
   want("change_eps", c.change.eps, c.history.now.box(), c.change.changed);

@@ -22,7 +22,7 @@ EntryRange range_of(const std::string& path);
 /// What an array's size hangs on.
 struct StateShape {
   Box own_cells, own_nodes;
-  bool one_way, keeps_gradient;  ///< settings: the fluid doesn't feel the particles; Fluid::keep_pressure_gradient()
+  bool one_way;  ///< setting: the fluid doesn't feel the particles
 };
 
 /// Arrays that numbers or settings promise and that are not there, or have another size than they can have: a sentence's

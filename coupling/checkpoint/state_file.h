@@ -1,8 +1,9 @@
 // A state's entries (for_each_entry() of FluidState, CouplingState, ScheduleState) in an HDF5 file, each by its name. The
 // file doesn't know the ranks that wrote it: an array is that of the whole grid, with what lies beyond the sides that are
 // not periodic, and every rank reads its part and its halo from it; a table (CellTable) is that of
-// all own cells. A number has a value a rank; other ranks than those
-// that wrote share what differed between them as a sum, on rank 0.
+// all own cells. A number has a value a rank; of those that
+// wrote, other ranks get the first one's, and of a number whose name ends with _of_rank, rank 0 gets the sum, and the
+// others nothing.
 //
 // For tests: with TWOGRID_CHECKPOINT_LEAVE_OUT=group/entry in the environment reading passes that entry over, which keeps
 // what a new process has. A test can so show that it is needed.

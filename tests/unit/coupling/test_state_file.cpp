@@ -12,7 +12,7 @@ namespace twogrid_test {
 namespace {
 
 struct Numbers {
-  double own = 0, same = 0;
+  double own = 0, alike = 0, same = 0;
   int whole = 0;
   bool flag = false;
   CellField<FineGrid> cells;
@@ -22,7 +22,7 @@ struct Numbers {
 
   template <class S, class F>
   static void for_each_entry(S& s, F&& f) {
-    f("own", s.own), f("same", s.same), f("whole", s.whole), f("flag", s.flag);
+    f("own_of_rank", s.own), f("alike_of_rank", s.alike), f("same", s.same), f("whole", s.whole), f("flag", s.flag);
     f("cells", s.cells), f("nodes", s.nodes), f("unused", s.unused);
     f("of_cells", s.of_cells), f("of_nodes", s.of_nodes);
   }
@@ -46,7 +46,7 @@ TEST(StateFile, GivesEachRankItsOwnBack) {
   };
   const Layout cells = make_layout(grid, ranks, {2, 2, 2}), nodes = node_layout(cells, coarse);
   Numbers given;
-  given.own = rank + 0.1, given.same = 1.0 / 3, given.whole = -7, given.flag = true;
+  given.own = rank + 0.1, given.alike = 0.25, given.same = 1.0 / 3, given.whole = -7, given.flag = true;
   given.cells.reset(cells.cells(rank).grown(2)), given.nodes.reset(nodes.cells(rank));
   fill(given.cells), fill(given.nodes);
   // Column q of a cell: its value and q.
@@ -67,7 +67,7 @@ TEST(StateFile, GivesEachRankItsOwnBack) {
     StateFile(comm, cells, nodes, file).write("/state", given);
     file.close();
   }
-  const auto check = [&](MPI_Comm readers, double own) {
+  const auto check = [&](MPI_Comm readers, double own, double alike) {
     const int n = ranks_of(readers);
     const Layout c = make_layout(grid, n, {2, 2, 2}), m = node_layout(c, coarse);
     Numbers got;
@@ -77,6 +77,7 @@ TEST(StateFile, GivesEachRankItsOwnBack) {
     StateFile(readers, c, m, file).read("/state", got);
     file.close();
     EXPECT_DOUBLE_EQ(got.own, own);
+    EXPECT_EQ(got.alike, alike);  // a sum is one even where its parts are equal
     EXPECT_EQ(got.same, 1.0 / 3);
     EXPECT_EQ(got.whole, -7);
     EXPECT_TRUE(got.flag);
@@ -91,10 +92,10 @@ TEST(StateFile, GivesEachRankItsOwnBack) {
     each(got.of_nodes, [&](double x, double v) { wrong += x != v; });
     EXPECT_EQ(wrong, 0);
   };
-  check(comm, rank + 0.1);
+  check(comm, rank + 0.1, 0.25);
   double sum = 0;
   for (int r = 0; r < ranks; ++r) sum += r + 0.1;
-  check(MPI_COMM_SELF, sum);
+  check(MPI_COMM_SELF, sum, 0.25 * ranks);
   MPI_Barrier(comm);
   if (rank == 0) unlink(path.c_str());
 }
