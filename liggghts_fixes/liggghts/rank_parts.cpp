@@ -5,6 +5,8 @@
 #include <comm.h>
 #include <domain.h>
 #include <lammps.h>
+#include <memory.h>
+#include <modify.h>
 #include <mpi.h>
 
 #include <algorithm>
@@ -115,6 +117,39 @@ void permute(Atom& atom, const std::vector<int>& old) {
   }
 }
 
+/// What a restart file holds of the particles for fixes that are yet to be made (contact histories are, by the first
+/// run): rows of atom->extra, which LIGGGHTS leaves where they are.
+class RestartRows {
+ public:
+  RestartRows(LAMMPS& lammps, const std::vector<int>& who) : lammps_(lammps), width_(lammps.atom->nextra_store) {
+    const Atom& atom = *lammps.atom;
+    if (lammps.modify->nfix_restart_peratom == 0 || !atom.extra) width_ = 0;
+    if (width_ == 0) return;
+    std::vector<std::vector<double>> to(lammps.comm->nprocs);
+    for (int i = 0; i < atom.nlocal; ++i) {
+      to[who[i]].push_back(atom.tag[i]);
+      to[who[i]].insert(to[who[i]].end(), atom.extra[i], atom.extra[i] + width_);
+    }
+    from_ = all_to_all(lammps.world, to);
+  }
+  /// The particles are where they are to be.
+  void put() {
+    if (width_ == 0) return;
+    Atom& atom = *lammps_.atom;
+    std::unordered_map<int, const double*> row;
+    for (const std::vector<double>& part : from_)
+      for (std::size_t at = 0; at < part.size(); at += std::size_t(width_) + 1) row[int(part[at])] = &part[at + 1];
+    lammps_.memory->destroy(atom.extra);
+    lammps_.memory->create(atom.extra, atom.nmax, width_, "atom:extra");
+    for (int i = 0; i < atom.nlocal; ++i) std::copy_n(row.at(atom.tag[i]), width_, atom.extra[i]);
+  }
+
+ private:
+  LAMMPS& lammps_;
+  int width_;
+  std::vector<std::vector<double>> from_;
+};
+
 }  // namespace
 
 RankParts rank_parts(LAMMPS& lammps) {
@@ -154,6 +189,7 @@ void restore_order(LAMMPS& lammps, const RankParts& parts) {
         "or numbers particles");
   if (atom.map_style) atom.map_clear();
   atom.nghost = 0;
+  RestartRows rows(lammps, who);
   migrate(lammps, who);
   std::unordered_map<int, int> place;
   for (int i = 0; i < atom.nlocal; ++i) place[atom.tag[i]] = i;
@@ -161,6 +197,7 @@ void restore_order(LAMMPS& lammps, const RankParts& parts) {
   old.reserve(parts.tags.size());
   for (int tag : parts.tags) old.push_back(place.at(tag));
   permute(atom, old);
+  rows.put();
   if (atom.map_style) atom.map_set();
 }
 
