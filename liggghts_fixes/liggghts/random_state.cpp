@@ -7,7 +7,6 @@
 #include <fix_insert_stream.h>
 #include <fix_mesh.h>
 #include <fix_particledistribution_discrete.h>
-#include <fix_template_sphere.h>
 #include <lammps.h>
 #include <modify.h>
 #include <multi_node_mesh.h>
@@ -47,7 +46,6 @@ PRIVATE(StreamFraction, FixInsertStream, double, ins_fraction);
 PRIVATE(StreamCounts, FixInsertStream, bool, do_ins_fraction_calc);
 PRIVATE(MeshRandom, MultiNodeMesh<3>, RanPark*, random_);
 PRIVATE(DistributionRandom, FixParticledistributionDiscrete, RanPark*, random);
-PRIVATE(TemplateRandom, FixTemplateSphere, RanPark*, random_insertion);
 PRIVATE(Kept, RanPark, int, save);
 PRIVATE(Second, RanPark, double, second);
 #undef PRIVATE
@@ -80,10 +78,6 @@ void for_each(LAMMPS& lammps, F&& f, G&& g, H&& normal) {
     }
     if (auto* distribution = dynamic_cast<FixParticledistributionDiscrete*>(modify.fix[i]))
       f(name, distribution->*member(DistributionRandom()));
-    if (auto* grain = dynamic_cast<FixTemplateSphere*>(modify.fix[i])) {
-      f(name, grain->*member(TemplateRandom()));
-      normal(name, grain->*member(TemplateRandom()));
-    }
   }
 }
 

@@ -1,7 +1,8 @@
-// What LIGGGHTS' restart files lack of insertion: the random numbers of regions, and of fixes insert/..., particletemplate
-// and particledistribution on all ranks but the first; the volume of a region as insert/pack and insert/rate/region have
-// found it by random points; steps and numbers of an insertion that is done, which LIGGGHTS takes for one to begin. With
-// it insertion goes on with the same particles at the same places.
+// What LIGGGHTS' restart files lack of insertion: the random numbers of regions, and of fixes insert/... and
+// particledistribution on all ranks but the first (particletemplate/sphere draws none: its sizes are constants); the
+// volume of a region as insert/pack and insert/rate/region have found it by random points; steps and numbers of an
+// insertion that is done, which LIGGGHTS takes for one to begin. With it insertion goes on with the same particles at the
+// same places.
 #pragma once
 
 #include <mpi.h>

@@ -3,8 +3,8 @@
 another run. For each entry there is a scene that shows it.
 
 Without this test something that is no state could be carried along, or, worse, an entry be written and not read, which no comparison of
-whole runs would tell. --long: all entries in all scenes, as a table; else each in the scene named for it, the coupling's a few of many, for
-tests/unit/coupling/test_coupling_state.cpp walks all of these.
+whole runs would tell. --long: all entries in all scenes, as a table; else each in the scene named for it, and a few of those that unit tests walk
+through one by one: test_fluid_state, test_coupling_state, test_averages, test_output, test_schedule, test_accuracy, test_coupling_watch.
 Usage: checkpoint_entries.py EXECUTABLE [--long]
 """
 import os
@@ -14,11 +14,15 @@ from concurrent.futures import ThreadPoolExecutor
 import h5py
 
 import checkpoint_scenes
-from checkpoint_scenes import AIR, BED, MESH, RATE, PACK, Scene, differences
+from checkpoint_scenes import AIR, BED, GRAINS, MESH, RATE, PACK, Scene, differences
 from harness import Checks, arguments
 
 LIQUID = "density 1000 viscosity 1e-3 every 10"
 STEPS = (65, 60)
+# Grains with velocities by normal numbers, of which generators make two at a time.
+NORMAL = GRAINS + (
+    "fix pour all insert/rate/region seed 32452867 distributiontemplate both nparticles 500 particlerate 35000 insert_every 60 overlapcheck yes "
+    "vel gaussian 0 0 -0.5 0.05 0.05 0.05 region top ntry_mc 10000\n")
 SCENES = {
     "bed": (1, Scene(AIR, steps=STEPS)),
     "A": (1, Scene(AIR, BED + " formulation A method paper", steps=STEPS)),
@@ -31,19 +35,24 @@ SCENES = {
     "accuracy": (1, Scene("density 1.2 viscosity 1.8e-5 every auto", BED + " accuracy 0.003", steps=(405, 400))),
     "rate": (1, Scene(AIR, other=MESH + RATE, steps=(65, 120))),
     "packs": (2, Scene(AIR, other=PACK, steps=(65, 120))),
-    "borders": (4, Scene(AIR, box="0 0.0026 0 0.0026 0 0.128", fine="4 4 64", layers=24, cut={4: "1 1 4"}, steps=STEPS)),
+    "normal": (2, Scene(AIR, other=NORMAL, steps=(65, 120))),
+    "borders": (4, Scene(AIR, box="0 0.0026 0 0.0026 0 0.128", fine="4 4 64", layers=24, cut={4: "1 1 4"}, steps=(5, 40))),
+    "balanced": (2, Scene(AIR, box="0 0.0026 0 0.0026 0 0.128", fine="4 4 64", layers=24, cut={2: "1 1 2"}, steps=STEPS, speed=5.0)),
+    "bricks": (4, Scene(AIR, box="0 0.0026 0 0.0026 0 0.032", fine="4 4 32", layers=24, cut={4: "1 1 4"}, steps=STEPS)),
+    "odd": (1, Scene(AIR, other=NORMAL.replace("particlerate 35000", "particlerate 41000"), steps=(45, 80))),
+    "skin": (1, Scene(AIR, skin=0.1e-3, options=("-skin", "best"), steps=STEPS)),
 }
 
 
 SHORT = {
-    "bed": ["fluid/time", "fluid/dt_previous", "fluid/p", "fluid/phi", "fluid/u_z", "fluid/u_old_z", "fluid/eps_1", "report/cfl", "report/pressure_drop", "report/eps_min",
-            "report/pressure_iterations", "coupling/known_volume", "coupling/change_rest_eps", "coupling/step_last_dt", "schedule/time", "schedule/next_frame"],
-    "A": ["coupling/undisturbed_z", "fluid/mean_grad_p_z"],
-    "flow rate": ["fluid/response", "fluid/imposed_z", "fluid/u_older_z", "fluid/dt_older"],
-    "many steps": ["fluid/mean_u_z", "coupling/history_rate", "coupling/history_slope"],
-    "changed between": ["fluid/eps_f_z", "coupling/deposit_eps", "coupling/holding", "coupling/history_now", "coupling/change_resting"],
-    "warned": ["coupling/vanished"],
-    "borders": ["ranks/borders"],
+    "bed": ["fluid/p", "fluid/eps_1", "report/cfl", "report/pressure_drop", "report/eps_min", "report/pressure_iterations", "coupling/known_volume", "schedule/next_frame"],
+    "changed between": ["fluid/eps_f_z", "coupling/holding", "coupling/change_resting"],
+    "odd": ["random/fix_pour_kept", "random/fix_pour_second"],
+    "normal": ["random/fix_pour_random", "random/fix_both_random", "random/region_top_random"],
+    "skin": ["record/skin"],
+    "balanced": ["balance/next"],
+    "borders": ["ranks/borders", "balance/moving"],
+    "bricks": ["ranks/layout"],
 }
 
 

@@ -72,12 +72,12 @@ BOX = "0 0.008 0 0.008 0 0.016"
 class Scene:
     """gas: keywords of fix twogrid, after them of fix_modify. other: lines of walls, meshes, insertion. steps: of the two runs."""
 
-    def __init__(self, gas, modify=BED, other="", box=BOX, fine="8 8 16", layers=8, boundary="p p f", steps=(205, 200), options=(), cut=None, output=100, between="", speed=0.0):
+    def __init__(self, gas, modify=BED, other="", box=BOX, fine="8 8 16", layers=8, boundary="p p f", steps=(205, 200), options=(), cut=None, output=100, between="", speed=0.0, skin=0.4e-3):
         self.__dict__.update(locals())
 
     def script(self, create, ranks, name, middle):
         cut = (self.cut or {}).get(ranks, "* * *")
-        return HEAD.format(create=create, processors=cut, boundary=self.boundary, skin=0.4e-3) + f"""
+        return HEAD.format(create=create, processors=cut, boundary=self.boundary, skin=self.skin) + f"""
 {WALL.format(id='floor', plane='zplane', at=0.0) if self.boundary.endswith('f') else ''}fix weight all gravity 9.81 vector 0 0 -1
 fix integrate all nve/sphere
 {self.other}fix gas all twogrid fine {self.fine} ratio 4 4 4 {self.gas}
