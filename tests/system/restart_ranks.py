@@ -5,7 +5,7 @@ Later the runs part, as runs on other ranks do: their means must agree within th
 
 Without this test a part of a field could be lost or shifted where ranks are cut elsewhere, sums of ranks be counted twice or dropped, and a bed
 that goes on on other ranks be another one, with numbers that look as good.
-Usage: restart_ranks.py EXECUTABLE [--long]: with means of a jetting bed over 1 s, which takes some minutes.
+Usage: restart_ranks.py EXECUTABLE [--long]: with means of a jetting bed over 0.3 s, which takes some minutes.
 """
 import os
 import shutil
@@ -167,8 +167,8 @@ def main():
     pour = ("region top block 0.002 0.0196 0.0007 0.0041 0.024 0.033 units box\n"
             "fix pour all insert/rate/region seed 32452867 distributiontemplate mix nparticles 400 particlerate 20000 insert_every 60 overlapcheck yes "
             "vel constant 0 0 -0.5 region top ntry_mc 10000\n")
-    run, more = 200, 200
-    a = Run(executable, script(300, run, more, pour), 2)
+    run, more = 100, 60
+    a = Run(executable, script(100, run, more, pour), 2)
     conservation(c, 2, a.path, run)
     for n in OTHERS:
         folder, path = gone_on(executable, n, a)
@@ -177,7 +177,7 @@ def main():
         folder.cleanup()
     still(c, executable)
     if long:
-        run, more = 10000, 66000
+        run, more = 6000, 20000
         a = Run(executable, script(4000, run, more), 2, timeout=3000)
         means = {2: {**thermo_figures(all_thermo(a.path), run), **figures(a.path, run)}}
         for n in OTHERS:
