@@ -159,8 +159,9 @@ void stock_run(LAMMPS_NS::LAMMPS& lammps, const std::string& name, const std::ve
   run_as_it_is(&lammps, name == kRun ? kRun : kRunTime, words);
 }
 
-void stock_write_restart(LAMMPS_NS::LAMMPS& lammps, std::string path) {
-  char* arg[] = {path.data()};
+void stock_write_restart(LAMMPS_NS::LAMMPS& lammps, const std::string& path) {
+  std::string words = path;  // LIGGGHTS may write into them
+  char* arg[] = {words.data()};
   const auto& commands = *(lammps.input->*member(CommandMap{}));
   commands.at(kWriteRestart)(&lammps, 1, arg);
 }

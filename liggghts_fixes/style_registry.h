@@ -28,6 +28,6 @@ void handle_runs(RunHandler handler);
 /// LIGGGHTS' own command of that name, with the fixes in our order. Collective.
 void stock_run(LAMMPS_NS::LAMMPS& lammps, const std::string& name, const std::vector<std::string>& words);
 /// LIGGGHTS' own write_restart. Collective.
-void stock_write_restart(LAMMPS_NS::LAMMPS& lammps, std::string path);
+void stock_write_restart(LAMMPS_NS::LAMMPS& lammps, const std::string& path);
 
 }  // namespace twogrid

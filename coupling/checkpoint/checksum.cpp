@@ -95,7 +95,7 @@ std::string seal_file(const std::string& path) {
   const File f(std::fopen(path.c_str(), "r+b"));
   if (!f) return std::strerror(errno);
   Checksum sum;
-  if (const std::string why = sum_of(f.get(), ~std::uint64_t(0), sum); !why.empty()) return why;
+  if (std::string why = sum_of(f.get(), ~std::uint64_t(0), sum); !why.empty()) return why;
   const std::string line = kSeal + sum.text() + "\n";
   if (std::fseek(f.get(), 0, SEEK_END) != 0 || std::fwrite(line.data(), 1, line.size(), f.get()) != line.size() ||
       std::fflush(f.get()) != 0)
@@ -116,7 +116,7 @@ std::string broken_seal(const std::string& path) {
   if (!sealed) return "it is no checkpoint, or only a part of one (the checksum at its end is missing)";
   std::rewind(f.get());
   Checksum sum;
-  if (const std::string why = sum_of(f.get(), std::uint64_t(size) - kSealLength, sum); !why.empty()) return why;
+  if (std::string why = sum_of(f.get(), std::uint64_t(size) - kSealLength, sum); !why.empty()) return why;
   if (std::string(line + sizeof kSeal - 1, 16) == sum.text()) return "";
   return "it is damaged (its checksum is another than when it was written)";
 }

@@ -17,7 +17,7 @@ const std::string kBegin = "process ";
 std::string real_path(const std::string& path, int links) {
   char* const real = realpath(path.c_str(), nullptr);
   if (real) {
-    const std::string s = real;
+    std::string s = real;
     std::free(real);
     return s;
   }

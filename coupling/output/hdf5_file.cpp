@@ -174,14 +174,14 @@ std::vector<std::size_t> Hdf5File::extent(const std::string& path) const {
 
 std::string Hdf5File::text_attribute(const std::string& object, const std::string& name) {
   Quiet quiet;
-  const std::string value = text_attribute_of(file_, object, name);
+  std::string value = text_attribute_of(file_, object, name);
   if (value.empty()) failed("attribute " + name);
   return value;
 }
 
 std::vector<int> Hdf5File::whole_attribute(const std::string& object, const std::string& name) {
   Quiet quiet;
-  const std::vector<int> value = whole_attribute_of(file_, object, name);
+  std::vector<int> value = whole_attribute_of(file_, object, name);
   if (value.empty()) failed("attribute " + name);
   return value;
 }

@@ -67,7 +67,7 @@ struct HeldWrites::Driver {
     const void* info = H5Pget_driver_info(fapl);
     Driver* d = new Driver();
     d->file = file;
-    if (info) std::memcpy(&d->held, info, sizeof d->held);
+    if (info) std::memcpy(&d->held, info, sizeof d->held);  // NOLINT(bugprone-sizeof-expression): a pointer is meant
     return &d->head;
   }
   static herr_t close(H5FD_t* f) {
@@ -126,7 +126,7 @@ struct HeldWrites::Driver {
       c.name = "twogrid";
       c.maxaddr = (haddr_t(1) << (8 * sizeof(off_t) - 1)) - 1;
       c.fc_degree = H5F_CLOSE_STRONG;
-      c.fapl_size = sizeof(HeldWrites*);
+      c.fapl_size = sizeof(HeldWrites*);  // NOLINT(bugprone-sizeof-expression): a pointer is meant
       c.open = open, c.close = close, c.query = query;
       c.get_eoa = get_eoa, c.set_eoa = set_eoa, c.get_eof = get_eof;
       c.read = read, c.write = write;
@@ -197,7 +197,7 @@ std::string HeldWrites::commit() {
   for (const auto& [at, bytes] : all)
     if (left-- > 0) good = good && write_all(f, bytes.data(), bytes.size(), off_t(at));
   if (killed_after < 0) good = good && ftruncate(f, off_t(size_)) == 0;
-  const std::string why = good ? "" : std::strerror(errno);
+  std::string why = good ? "" : std::strerror(errno);
   ::close(f);
   held_.clear();
   HeldWrites::writes = int(all.size());
