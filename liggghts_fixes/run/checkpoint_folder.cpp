@@ -40,7 +40,7 @@ std::string why() {
 std::string synced(const std::string& path, bool folder) {
   const int f = open(path.c_str(), folder ? O_RDONLY | O_DIRECTORY : O_RDONLY);
   if (f < 0) return why();
-  const std::string failure = fsync(f) == 0 || (folder && errno == EINVAL) ? "" : why();
+  std::string failure = fsync(f) == 0 || (folder && errno == EINVAL) ? "" : why();
   close(f);
   return failure;
 }
@@ -102,7 +102,7 @@ std::string damage(const std::string& path, std::string& record) {
   return "";
 }
 
-Checkpoint newest_of(std::vector<std::string> paths) {
+Checkpoint newest_of(const std::vector<std::string>& paths) {
   Checkpoint c;
   for (const std::string& p : paths) {
     const std::string wrong = damage(p, c.record);
@@ -211,7 +211,7 @@ std::string CheckpointFolder::complete(const ResumePoint& point, int keep, long 
   const long last = std::max(above, before.empty() ? 0 : number_of(before.front()));
   char name[64];
   std::snprintf(name, sizeof name, "%06ld_step_%lld", last + 1, point.step);
-  const std::string path = path_ + "/" + name;
+  std::string path = path_ + "/" + name;
   if (failure.empty() && std::rename(part().c_str(), path.c_str()) != 0) failure = why();
   if (!failure.empty()) {
     give_up();

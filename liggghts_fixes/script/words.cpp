@@ -109,7 +109,7 @@ std::string Words::word(const std::string& keyword, const std::string& wanted) {
 }
 
 std::string Words::name(const std::string& keyword, const std::string& wanted) {
-  const std::string w = word(keyword, wanted);
+  std::string w = word(keyword, wanted);
   if (!is_name(w)) refuse(keyword, "'" + shown(w) + "'", wanted + ", of at most 255 characters that can be printed");
   return w;
 }
