@@ -10,9 +10,10 @@ namespace twogrid {
 
 namespace {
 
-constexpr double kAny = 1e30, kCount = 9e15, kRounding = 1e-9;
+// The fluid's void fraction may lie above 1: between two couplings it is followed smoothly.
+constexpr double kAny = 1e30, kCount = 9e15, kLeast = 1e-9, kMost = 2;
 constexpr EntryRange kFinite{-kAny, kAny}, kSums{-1e100, 1e100}, kAmount{0, kAny}, kNumber{0, kCount},
-    kInt{0, 2147483647}, kVoid{0, 1 + kRounding}, kOpen{kRounding, 1 + kRounding};
+    kInt{0, 2147483647}, kVoid{0, kMost}, kOpen{kLeast, 1 + 1e-6};
 
 bool begins(const std::string& s, const char* with) {
   return s.rfind(with, 0) == 0;
@@ -26,7 +27,7 @@ EntryRange range_of(const std::string& path) {
                                                          {"/fluid/dt_older", kAmount},
                                                          {"/fluid/idle_steps", kInt},
                                                          {"/fluid/largest_viscosity", kAmount},
-                                                         {"/fluid/eps_open", kOpen},
+                                                         {"/fluid/eps_open", kVoid},
                                                          {"/coupling/drag_number", kAmount},
                                                          {"/coupling/follow", kAmount},
                                                          {"/coupling/known_volume", kAmount},

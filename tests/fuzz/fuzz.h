@@ -36,6 +36,9 @@ void mutate_bytes(std::string& bytes, Dice& dice);
 void mutate_text(std::string& text, Dice& dice);
 std::string joined(const std::vector<std::string>& words);
 
+/// Of checkpoint files whose checksum was made anew over damaged data of HDF5's own.
+extern long crashes_in_hdf5;
+
 /// What is being tried: printed if the program crashes or hangs over it.
 void note(const std::string& what);
 

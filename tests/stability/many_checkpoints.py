@@ -71,10 +71,11 @@ def main():
         late = [s for s in seen if s[3] >= 90 and s[0] > 0]
         c.true(f"code {p.returncode}, {len(settled)} looks in checkpoints 10 to 19, {len(late)} from 90 on", p.returncode == 0 and len(settled) > 5 and len(late) > 5)
         for i, what in enumerate(("memory, kB", "open files", "bytes of checkpoints")):
+            # Contacts are part of a checkpoint, and more or fewer from one to the next; one of a hundred that stays behind is a third more.
             # A look may fall into the writing of a checkpoint, with its file open: the least of the open files. Memory: 1 % are 9 kB a checkpoint.
             of = min if i == 1 else max
             first, last = of(s[i] for s in settled), of(s[i] for s in late)
-            c.below(f"{what}: {first} then {last}, {of.__name__}; growth", (last - first) / first, (0.01, 0, 0.02)[i])
+            c.below(f"{what}: {first} then {last}, {of.__name__}; growth", (last - first) / first, (0.01, 0, 0.25)[i])
         t = read_thermo(os.path.join(folder, "log.liggghts"))
         c.true(f"{int(t['Step'][-1])} steps, {len(t['Step'])} lines, {t['Atoms'].min():.0f} to {t['Atoms'].max():.0f} particles", t["Step"][-1] == steps and t["Atoms"].min() == t["Atoms"].max() > 40)
         for name, what in (("gas[6]", "error of the solids' volume"), ("gas[7]", "error of the momentum exchange")):
