@@ -68,11 +68,24 @@ void tell_status(int code, void*) {
     Status::of_process().fail(last_sentence());
 }
 
+/// An error of all ranks begins to end MPI, where they still wait for each other: once a rank has left, the launcher may
+/// kill the others before their exit.
+extern "C" int tell_error(MPI_Comm, int, void*, void*) {
+  if (shown.find("ERROR") != std::string::npos) Status::of_process().fail(last_sentence());
+  return MPI_SUCCESS;
+}
+
+void tell_at_the_end() {
+  int key = MPI_KEYVAL_INVALID;
+  MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, tell_error, &key, nullptr);
+  MPI_Comm_set_attr(MPI_COMM_SELF, key, nullptr);
+}
+
 }  // namespace
 
 void keep_sentences(LAMMPS_NS::LAMMPS* lammps) {
   watched = lammps;
-  static const int told = on_exit(tell_status, nullptr);
+  static const int told = (tell_at_the_end(), on_exit(tell_status, nullptr));
   (void)told;
   if (!lammps || lammps->screen != stdout) return;
   const cookie_io_functions_t functions = {nullptr, show, nullptr, nullptr};
