@@ -23,6 +23,7 @@
 int main(int argc, char** argv) {
   // Whole lines are out at once, also where the output is a file or a pipe and a run doesn't end well.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  twogrid::install_signal_handlers();  // from the first moment on
   MPI_Init(&argc, &argv);
   MPI_Comm errors;
   MPI_Comm_dup(MPI_COMM_WORLD, &errors);
