@@ -117,7 +117,8 @@ def signal_within_a_coupling(c, executable, ranks):
             f.write(text)
         with open(os.path.join(folder, "particles.data"), "w") as f:
             f.write(data_file(BOX, ONE, 1e-3, 2500))
-        p = subprocess.Popen(MPIRUN + ["-np", str(ranks[-1]), os.path.abspath(executable), "-in", "in.test"], cwd=folder,
+        # mpirun leaves its ranks 1 s by default, which a busy machine may need to hear the signal; it then sleeps twice as long as it would leave.
+        p = subprocess.Popen(MPIRUN + ["--mca", "odls_base_sigkill_timeout", "3", "-np", str(ranks[-1]), os.path.abspath(executable), "-in", "in.test"], cwd=folder,
                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         time.sleep(4)
         running, begin = p.poll() is None, time.time()
