@@ -20,3 +20,11 @@ struct PrivateMember {
 };
 
 }  // namespace
+
+/// Within a namespace without a name: object.*member(Name()) is the member `what`, a Type, of an Owner.
+#define PRIVATE_MEMBER(Name, Owner, Type, what) \
+  struct Name {                                 \
+    using type = Type Owner::*;                 \
+    friend type member(Name);                   \
+  };                                            \
+  template struct PrivateMember<Name, &Owner::what>

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "cfd/fluid_solver.h"
+#include "cfd/parallel/rank_0.h"
 #include "cfd/parallel/ranks.h"
 #include "coupling/checkpoint/checksum.h"
 #include "coupling/checkpoint/state_check.h"
@@ -196,14 +197,6 @@ std::string put_in_place(const std::string& from, const std::string& to) {
   return "";
 }
 
-/// What rank 0 has to say, a part of a sentence or nothing, is known to all.
-std::string from_rank_0(MPI_Comm comm, const std::string& text) {
-  char shared[512] = {};
-  std::snprintf(shared, sizeof shared, "%s", text.c_str());
-  MPI_Bcast(shared, sizeof shared, MPI_CHAR, 0, comm);
-  return shared;
-}
-
 [[noreturn]] void refuse_file(const std::string& path, const std::string& found, const std::string& wanted) {
   throw std::invalid_argument("checkpoint read: found " + path + found + ", wanted " + wanted);
 }
@@ -227,7 +220,7 @@ void write_plain_checkpoint(const std::string& path, const CheckpointParts& c, c
   StateFile states(c.comm, c.fluid.layout(), nodes, file);
   for_each_state(c, [&](const std::string& group, const auto& state) { states.write(group, state); });
   file.close();
-  const std::string why = from_rank_0(c.comm, rank_of(c.comm) == 0 ? seal_file(path) : "");
+  const std::string why = from_rank(c.comm, 0, rank_of(c.comm) == 0 ? seal_file(path) : "");
   if (!why.empty())
     throw std::runtime_error("the checkpoint '" + path + "' could not be written (" + why +
                              "); see whether its disk is full, or give another path (fix_modify ID checkpoint)");
@@ -242,7 +235,7 @@ void write_checkpoint(const std::string& path, const CheckpointParts& c, const M
     if (rank_of(c.comm) == 0) std::remove(part.c_str());
     throw;
   }
-  const std::string why = from_rank_0(c.comm, rank_of(c.comm) == 0 ? put_in_place(part, path) : "");
+  const std::string why = from_rank(c.comm, 0, rank_of(c.comm) == 0 ? put_in_place(part, path) : "");
   if (!why.empty())
     throw std::runtime_error("the checkpoint '" + path + "' could not be put in place (" + why +
                              "); give another path (fix_modify ID checkpoint write)");
@@ -250,7 +243,7 @@ void write_checkpoint(const std::string& path, const CheckpointParts& c, const M
 
 Beginning read_beginning(MPI_Comm comm, const std::string& path, const Moment& now) {
   // HDF5 is not shown a file that may be damaged.
-  const std::string broken = from_rank_0(comm, rank_of(comm) == 0 ? broken_seal(path) : "");
+  const std::string broken = from_rank(comm, 0, rank_of(comm) == 0 ? broken_seal(path) : "");
   if (!broken.empty())
     refuse_file(path, ": " + broken,
                 "a checkpoint of fix twogrid, as it was written: give another one, or an older one");

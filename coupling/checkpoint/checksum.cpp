@@ -83,6 +83,12 @@ std::string Checksum::text() const {
   return digits;
 }
 
+std::string text_checksum(const std::string& bytes) {
+  Checksum sum;
+  sum.add(bytes.data(), bytes.size());
+  return sum.text();
+}
+
 std::string file_checksum(const std::string& path) {
   const File f(std::fopen(path.c_str(), "rb"));
   Checksum sum;

@@ -28,6 +28,8 @@ class Checksum {
   std::uint64_t length_ = 0;
 };
 
+/// Of these bytes, as text().
+std::string text_checksum(const std::string& bytes);
 /// Of a whole file, as text(). Reads it piece by piece, on the calling rank only. Throws std::runtime_error with a
 /// sentence where it can't be read.
 std::string file_checksum(const std::string& path);

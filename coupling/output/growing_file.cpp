@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "cfd/parallel/rank_0.h"
 #include "cfd/parallel/ranks.h"
 #include "coupling/output/hdf5_tools.h"
-#include "coupling/output/rank_0.h"
 
 namespace twogrid {
 

@@ -7,12 +7,12 @@
 #include <stdexcept>
 
 #include "cfd/fluid/fluid.h"
+#include "cfd/parallel/rank_0.h"
 #include "cfd/parallel/ranks.h"
 #include "coupling/output/averages.h"
 #include "coupling/output/file_lock.h"
 #include "coupling/output/frame_writer.h"
 #include "coupling/output/growing_file.h"
-#include "coupling/output/rank_0.h"
 #include "coupling/output/record.h"
 #include "coupling/output/run_files.h"
 #include "coupling/output/xdmf.h"

@@ -21,36 +21,29 @@ namespace {
 using namespace LAMMPS_NS;
 
 // What these fixes were told is private.
-#define PRIVATE(Name, Owner, Type, what) \
-  struct Name {                          \
-    using type = Type Owner::*;          \
-    friend type member(Name);            \
-  };                                     \
-  template struct PrivateMember<Name, &Owner::what>
-PRIVATE(MoveStyle, FixMove, int, mstyle);
-PRIVATE(MoveLinearX, FixMove, int, vxflag);
-PRIVATE(MoveLinearY, FixMove, int, vyflag);
-PRIVATE(MoveLinearZ, FixMove, int, vzflag);
-PRIVATE(MoveWiggleX, FixMove, int, axflag);
-PRIVATE(MoveWiggleY, FixMove, int, ayflag);
-PRIVATE(MoveWiggleZ, FixMove, int, azflag);
-PRIVATE(MoveX, FixMove, char*, xvarstr);
-PRIVATE(MoveY, FixMove, char*, yvarstr);
-PRIVATE(MoveZ, FixMove, char*, zvarstr);
-PRIVATE(MoveVX, FixMove, char*, vxvarstr);
-PRIVATE(MoveVY, FixMove, char*, vyvarstr);
-PRIVATE(MoveVZ, FixMove, char*, vzvarstr);
-PRIVATE(ForceX, FixSetForce, int, xstyle);
-PRIVATE(ForceY, FixSetForce, int, ystyle);
-PRIVATE(ForceZ, FixSetForce, int, zstyle);
-PRIVATE(ForceXName, FixSetForce, char*, xstr);
-PRIVATE(ForceYName, FixSetForce, char*, ystr);
-PRIVATE(ForceZName, FixSetForce, char*, zstr);
-PRIVATE(ForceRegion, FixSetForce, char*, idregion);
-PRIVATE(PlaneX, FixPlaneForce, double, xdir);
-PRIVATE(PlaneY, FixPlaneForce, double, ydir);
-PRIVATE(PlaneZ, FixPlaneForce, double, zdir);
-#undef PRIVATE
+PRIVATE_MEMBER(MoveStyle, FixMove, int, mstyle);
+PRIVATE_MEMBER(MoveLinearX, FixMove, int, vxflag);
+PRIVATE_MEMBER(MoveLinearY, FixMove, int, vyflag);
+PRIVATE_MEMBER(MoveLinearZ, FixMove, int, vzflag);
+PRIVATE_MEMBER(MoveWiggleX, FixMove, int, axflag);
+PRIVATE_MEMBER(MoveWiggleY, FixMove, int, ayflag);
+PRIVATE_MEMBER(MoveWiggleZ, FixMove, int, azflag);
+PRIVATE_MEMBER(MoveX, FixMove, char*, xvarstr);
+PRIVATE_MEMBER(MoveY, FixMove, char*, yvarstr);
+PRIVATE_MEMBER(MoveZ, FixMove, char*, zvarstr);
+PRIVATE_MEMBER(MoveVX, FixMove, char*, vxvarstr);
+PRIVATE_MEMBER(MoveVY, FixMove, char*, vyvarstr);
+PRIVATE_MEMBER(MoveVZ, FixMove, char*, vzvarstr);
+PRIVATE_MEMBER(ForceX, FixSetForce, int, xstyle);
+PRIVATE_MEMBER(ForceY, FixSetForce, int, ystyle);
+PRIVATE_MEMBER(ForceZ, FixSetForce, int, zstyle);
+PRIVATE_MEMBER(ForceXName, FixSetForce, char*, xstr);
+PRIVATE_MEMBER(ForceYName, FixSetForce, char*, ystr);
+PRIVATE_MEMBER(ForceZName, FixSetForce, char*, zstr);
+PRIVATE_MEMBER(ForceRegion, FixSetForce, char*, idregion);
+PRIVATE_MEMBER(PlaneX, FixPlaneForce, double, xdir);
+PRIVATE_MEMBER(PlaneY, FixPlaneForce, double, ydir);
+PRIVATE_MEMBER(PlaneZ, FixPlaneForce, double, zdir);
 
 }  // namespace
 

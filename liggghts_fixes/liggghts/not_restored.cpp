@@ -12,21 +12,9 @@
 
 namespace {
 
-struct Formulas {
-  using type = char*** LAMMPS_NS::Variable::*;
-  friend type member(Formulas);
-};
-struct Count {
-  using type = int LAMMPS_NS::Variable::*;
-  friend type member(Count);
-};
-struct Names {
-  using type = char** LAMMPS_NS::Variable::*;
-  friend type member(Names);
-};
-template struct PrivateMember<Formulas, &LAMMPS_NS::Variable::data>;
-template struct PrivateMember<Count, &LAMMPS_NS::Variable::nvar>;
-template struct PrivateMember<Names, &LAMMPS_NS::Variable::names>;
+PRIVATE_MEMBER(Formulas, LAMMPS_NS::Variable, char***, data);
+PRIVATE_MEMBER(Count, LAMMPS_NS::Variable, int, nvar);
+PRIVATE_MEMBER(Names, LAMMPS_NS::Variable, char**, names);
 
 }  // namespace
 

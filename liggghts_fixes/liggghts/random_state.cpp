@@ -27,28 +27,21 @@ namespace {
 
 using namespace LAMMPS_NS;
 
-#define PRIVATE(Name, Owner, Type, what) \
-  struct Name {                          \
-    using type = Type Owner::*;          \
-    friend type member(Name);            \
-  };                                     \
-  template struct PrivateMember<Name, &Owner::what>
-PRIVATE(RegionRandom, Region, RanPark*, random);
-PRIVATE(InsertRandom, FixInsert, RanPark*, random);
-PRIVATE(PackVolume, FixInsertPack, double, region_volume);
-PRIVATE(PackOwnVolume, FixInsertPack, double, region_volume_local);
-PRIVATE(Inserted, FixInsert, int, ninserted);
-PRIVATE(InsertedMass, FixInsert, double, massinserted);
-PRIVATE(FirstStep, FixInsert, int, first_ins_step);
-PRIVATE(RecentStep, FixInsert, int, most_recent_ins_step);
-PRIVATE(FinalStep, FixInsert, int, final_ins_step);
-PRIVATE(StreamFraction, FixInsertStream, double, ins_fraction);
-PRIVATE(StreamCounts, FixInsertStream, bool, do_ins_fraction_calc);
-PRIVATE(MeshRandom, MultiNodeMesh<3>, RanPark*, random_);
-PRIVATE(DistributionRandom, FixParticledistributionDiscrete, RanPark*, random);
-PRIVATE(Kept, RanPark, int, save);
-PRIVATE(Second, RanPark, double, second);
-#undef PRIVATE
+PRIVATE_MEMBER(RegionRandom, Region, RanPark*, random);
+PRIVATE_MEMBER(InsertRandom, FixInsert, RanPark*, random);
+PRIVATE_MEMBER(PackVolume, FixInsertPack, double, region_volume);
+PRIVATE_MEMBER(PackOwnVolume, FixInsertPack, double, region_volume_local);
+PRIVATE_MEMBER(Inserted, FixInsert, int, ninserted);
+PRIVATE_MEMBER(InsertedMass, FixInsert, double, massinserted);
+PRIVATE_MEMBER(FirstStep, FixInsert, int, first_ins_step);
+PRIVATE_MEMBER(RecentStep, FixInsert, int, most_recent_ins_step);
+PRIVATE_MEMBER(FinalStep, FixInsert, int, final_ins_step);
+PRIVATE_MEMBER(StreamFraction, FixInsertStream, double, ins_fraction);
+PRIVATE_MEMBER(StreamCounts, FixInsertStream, bool, do_ins_fraction_calc);
+PRIVATE_MEMBER(MeshRandom, MultiNodeMesh<3>, RanPark*, random_);
+PRIVATE_MEMBER(DistributionRandom, FixParticledistributionDiscrete, RanPark*, random);
+PRIVATE_MEMBER(Kept, RanPark, int, save);
+PRIVATE_MEMBER(Second, RanPark, double, second);
 
 /// Calls f(name, generator) and g(name, number) for all that there are; after f normal(name, generator) for those that
 /// are asked for normal numbers too, of which they make two at a time.

@@ -16,7 +16,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "cfd/parallel/rank_0.h"
 #include "cfd/parallel/ranks.h"
+#include "coupling/checkpoint/checksum.h"
 #include "liggghts_fixes/run/old_files.h"
 
 namespace twogrid {
@@ -72,21 +74,13 @@ std::string words_text(const Command& c) {
   return s;
 }
 
-void broadcast(MPI_Comm comm, std::string& s) {
-  long n = long(s.size());
-  MPI_Bcast(&n, 1, MPI_LONG, 0, comm);
-  s.resize(std::size_t(n));
-  MPI_Bcast(s.data(), int(n), MPI_CHAR, 0, comm);
-}
-
 }  // namespace
 
 Interpreter::Interpreter(LAMMPS& lammps, std::string script, std::vector<std::vector<std::string>> variables)
     : lammps_(lammps), script_(std::move(script)), variables_(std::move(variables)), names_{script_} {}
 
 void Interpreter::agree(const std::string& sentence) const {
-  std::string s = sentence;
-  broadcast(lammps_.world, s);
+  const std::string s = from_rank(lammps_.world, 0, sentence);
   if (!s.empty()) throw std::invalid_argument(s);
 }
 
@@ -148,7 +142,7 @@ bool Interpreter::next_line(std::string& line) {
     if (Inside::the_label_active(in)) lammps_.error->all(FLERR, "Label wasn't found in input script");
     if (state == -1) return false;
   }
-  broadcast(lammps_.world, line);
+  line = from_rank(lammps_.world, 0, line);
   line_ = line;
   return true;
 }

@@ -1,8 +1,6 @@
 #include "liggghts_fixes/run/resume_point.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <cstdio>
 #include <iomanip>
 #include <iterator>
 #include <sstream>
@@ -128,15 +126,6 @@ ResumePoint resume_point(const std::string& text) {
   in.expect("complete");
   if (!p.run.empty() && !(p.begin <= p.step && p.step <= p.end)) Reader::broken("a step outside its run");
   return p;
-}
-
-/// FNV-1a (Fowler, Noll & Vo 1991), 64 bits.
-std::string text_checksum(const std::string& bytes) {
-  std::uint64_t h = 0xcbf29ce484222325u;
-  for (unsigned char c : bytes) h = (h ^ c) * 0x100000001b3u;
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(h));
-  return text;
 }
 
 bool is_said_again(const Command& c, bool is_style) {

@@ -37,9 +37,6 @@ struct ResumePoint {
 std::string to_text(const ResumePoint& point);
 ResumePoint resume_point(const std::string& text);
 
-/// Of the bytes, 16 digits.
-std::string text_checksum(const std::string& bytes);
-
 /// Whether a command belongs to what another process says again: what sets up, not what acts on particles, writes
 /// files or moves the script's place. is_style: LIGGGHTS keeps it in its table of styles, not in its interpreter: all of
 /// these but a few act on particles.

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "liggghts_fixes/liggghts/particle_columns.h"
+#include "liggghts_fixes/liggghts/tell.h"
 #include "liggghts_fixes/report/status.h"
 #include "liggghts_fixes/run/signals.h"
 
@@ -25,9 +26,7 @@ constexpr double kPatience = 10;  // s that a signal waits for the end of a coup
 }  // namespace
 
 void RunWatch::say(const std::string& text) const {
-  if (lammps_.comm->me != 0) return;
-  for (FILE* file : {lammps_.screen, lammps_.logfile})
-    if (file) std::fputs(text.c_str(), file), std::fflush(file);
+  tell(lammps_, text);
 }
 
 void RunWatch::warn(const std::string& text) const {

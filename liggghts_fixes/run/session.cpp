@@ -11,17 +11,18 @@
 #include <update.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "cfd/parallel/rank_0.h"
 #include "cfd/parallel/ranks.h"
 #include "liggghts_fixes/fix_twogrid.h"
 #include "liggghts_fixes/liggghts/not_restored.h"
 #include "liggghts_fixes/liggghts/old_output.h"
 #include "liggghts_fixes/liggghts/random_state.h"
 #include "liggghts_fixes/liggghts/restart_file.h"
+#include "liggghts_fixes/liggghts/tell.h"
 #include "liggghts_fixes/report/status.h"
 #include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/script/words.h"
@@ -32,30 +33,6 @@ namespace twogrid {
 using namespace LAMMPS_NS;
 
 namespace {
-
-std::string from_rank_0(MPI_Comm comm, std::string s) {
-  long n = long(s.size());
-  MPI_Bcast(&n, 1, MPI_LONG, 0, comm);
-  s.resize(std::size_t(n));
-  MPI_Bcast(s.data(), int(n), MPI_CHAR, 0, comm);
-  return s;
-}
-
-/// f() on rank 0; throws what it throws on all ranks.
-template <class F>
-std::string on_rank_0(MPI_Comm comm, F&& f) {
-  std::string result, why;
-  if (rank_of(comm) == 0) {
-    try {
-      result = f();
-    } catch (const std::exception& e) {
-      why = e.what();
-    }
-  }
-  why = from_rank_0(comm, why);
-  if (!why.empty()) throw std::runtime_error(why);
-  return from_rank_0(comm, result);
-}
 
 std::vector<FixTwogrid*> fluids(LAMMPS& lammps) {
   std::vector<FixTwogrid*> found;
@@ -90,11 +67,11 @@ Checkpoint checkpoint_wanted(MPI_Comm comm, const CommandLine& line) {
         "-restart: found no script in the command line, wanted that of the run to go on: -in FILE");
   const bool automatic = line.restart == "auto";
   if (rank_of(comm) == 0) c = automatic ? find_checkpoint_of(line.script) : find_checkpoint(line.restart);
-  c.path = from_rank_0(comm, c.path);
-  c.record = from_rank_0(comm, c.record);
+  c.path = from_rank(comm, 0, c.path);
+  c.record = from_rank(comm, 0, c.record);
   std::string passed;
   for (const std::string& s : c.passed_over) passed += "; " + s;
-  passed = from_rank_0(comm, passed);
+  passed = from_rank(comm, 0, passed);
   if (c.path.empty() && (!automatic || !passed.empty()))
     throw std::invalid_argument("-restart: found no whole checkpoint " +
                                 (automatic ? "of " + line.script : "in " + line.restart) + passed +
@@ -117,16 +94,10 @@ int Session::run() {
 /// Between two commands. Before the first run there is nothing to keep; later the next run keeps it.
 bool Session::end_here() {
   if (!ended_ && !lammps_.update->first_update && early_end_.look(0) && early_end_.signal() != 0) {
-    say("twogrid: ended by signal " + std::to_string(early_end_.signal()) + " before the first run\n");
+    tell(lammps_, "twogrid: ended by signal " + std::to_string(early_end_.signal()) + " before the first run\n");
     ended_ = true;
   }
   return ended_;
-}
-
-void Session::say(const std::string& text) const {
-  if (rank_of(lammps_.world) != 0) return;
-  if (lammps_.screen) std::fputs(text.c_str(), lammps_.screen), std::fflush(lammps_.screen);
-  if (lammps_.logfile) std::fputs(text.c_str(), lammps_.logfile), std::fflush(lammps_.logfile);
 }
 
 CheckpointPlan Session::plan() const {
@@ -209,21 +180,23 @@ void Session::try_folder() const {
   on_rank_0(lammps_.world, [&] {
     folder().begin(65536);
     folder().give_up();
-    return "";
   });
 }
 
 void Session::write_checkpoint(const Command& words, const RunRequest& request) {
   const int signal = early_end_.signal();
   if (!interpreter_.from_file())
-    return say("twogrid: ended by signal " + std::to_string(signal) +
-               "; a script that comes from the standard input can't be gone on with, and no checkpoint is written\n");
+    return tell(
+        lammps_,
+        "twogrid: ended by signal " + std::to_string(signal) +
+            "; a script that comes from the standard input can't be gone on with, and no checkpoint is written\n");
   const double begin = MPI_Wtime();
   const CheckpointFolder folder = this->folder();
   double bytes = 8.0 * lammps_.atom->avec->size_restart() + 65536;
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lammps_.world);
-  const std::string part = on_rank_0(lammps_.world, [&] { return folder.begin(bytes); });
-  std::string path;
+  std::string part, path;
+  on_rank_0(lammps_.world, [&] { part = folder.begin(bytes); });
+  part = from_rank(lammps_.world, 0, part);
   try {
     {
       const AsInRun as_in_run(*lammps_.update, request);
@@ -239,10 +212,10 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
     p.step = lammps_.update->ntimestep;
     p.time = lammps_.update->get_cur_time();
     p.particles = (long long)(lammps_.atom->natoms);
-    path = on_rank_0(lammps_.world, [&] {
+    on_rank_0(lammps_.world, [&] {
       note_folder(interpreter_.script(), folder.path());
       folder.add(kInsertionFile, insertion);
-      return folder.complete(p, plan().keep, last_number(interpreter_.script()));
+      path = folder.complete(p, plan().keep, last_number(interpreter_.script()));
     });
   } catch (...) {
     if (rank_of(lammps_.world) == 0) folder.give_up();
@@ -251,22 +224,25 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
   early_end_.checkpoint_written();
   Status::of_process().checkpoint(path, lammps_.update->ntimestep);
   if (!std::exchange(limits_said_, true))
-    for (const std::string& limit : not_restored(lammps_)) say("WARNING: twogrid: checkpoint: " + limit + "\n");
+    for (const std::string& limit : not_restored(lammps_))
+      tell(lammps_, "WARNING: twogrid: checkpoint: " + limit + "\n");
   const double size = rank_of(lammps_.world) == 0 ? CheckpointFolder::size(path) : 0;
-  say("twogrid: checkpoint " + path + ", " + brief(size / 1048576) + " MB in " + brief(MPI_Wtime() - begin) + " s" +
-      (signal != 0 ? ", ended by signal " + std::to_string(signal) + ": -restart goes on from it\n" : "\n"));
+  tell(lammps_,
+       "twogrid: checkpoint " + path + ", " + brief(size / 1048576) + " MB in " + brief(MPI_Wtime() - begin) + " s" +
+           (signal != 0 ? ", ended by signal " + std::to_string(signal) + ": -restart goes on from it\n" : "\n"));
 }
 
 void Session::go_on() {
-  for (const std::string& s : from_.passed_over) say("WARNING: twogrid: " + s + "\n");
+  for (const std::string& s : from_.passed_over) tell(lammps_, "WARNING: twogrid: " + s + "\n");
   const ResumePoint point = resume_point(from_.record);
-  say("twogrid: goes on from the checkpoint " + from_.path + ", step " + std::to_string(point.step) + "\n");
+  tell(lammps_, "twogrid: goes on from the checkpoint " + from_.path + ", step " + std::to_string(point.step) + "\n");
   Status::of_process().checkpoint(from_.path, point.step);
   interpreter_.on_run([this] {
     for (FixTwogrid* f : fluids(lammps_)) f->take_as_run();
   });
   const std::string insertion =
-      on_rank_0(lammps_.world, [&] { return CheckpointFolder::content(from_.path + "/" + kInsertionFile); });
+      from_rank(lammps_.world, 0,
+                rank_of(lammps_.world) == 0 ? CheckpointFolder::content(from_.path + "/" + kInsertionFile) : "");
   set_replaying(true);
   const std::string changed = interpreter_.go_on_from(point, from_.path + "/" + kParticlesFile);
   set_replaying(false);

@@ -35,14 +35,13 @@ class Session {
   CheckpointFolder folder() const;
   void try_folder() const;
   void write_checkpoint(const Command& words, const RunRequest& request);
-  void say(const std::string& text) const;
 
   LAMMPS_NS::LAMMPS& lammps_;
   Interpreter interpreter_;
   EarlyEnd early_end_;
   Checkpoint from_;
   bool limits_said_ = false;  // what LIGGGHTS doesn't restore
-  bool ended_ = false;  // by a signal; what there was to keep is kept
+  bool ended_ = false;        // by a signal; what there was to keep is kept
 };
 
 /// What the command line's -restart asks for; path empty: nothing, or nothing is there (auto). Throws
