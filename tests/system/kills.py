@@ -35,7 +35,7 @@ fix rain all insert/rate/region seed 123457 distributiontemplate mix nparticles 
 fix gas all twogrid fine 36 2 40 ratio 6 2 4 density 1.2 viscosity 1.8e-5 every 10
 fix_modify gas boundary zlo inlet 0 0 0.4 boundary zhi pressure 0 dt 4e-5
 fix_modify gas output every 10 file bed.h5 fields u p eps faces average from 0.0005
-fix_modify gas checkpoint every 57 keep 3
+fix_modify gas checkpoint every 57 keep 9
 dump d all custom 300 end.* id x y z vx vy vz omegax omegay omegaz f_gas[1] f_gas[7]
 dump_modify d sort id format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g"
 reset_timestep 0
@@ -129,7 +129,15 @@ def main():
     length = time.time() - begin
     undisturbed = state(whole) if code == 0 else {}
     c.true(f"undisturbed: {length:.1f} s, code {code}, {len(undisturbed.get('steps', []))} frames", code == 0 and len(undisturbed["steps"]) == FRAMES)
-    worst_wait, worst_open = 0.0, 0
+    early = os.path.join(work.name, "early")
+    shutil.copytree(whole, early)
+    kept = sorted(os.listdir(os.path.join(early, "in.test.checkpoints")))
+    for name in kept[1:]:
+        shutil.rmtree(os.path.join(early, "in.test.checkpoints", name))
+    codes = go_on(executable, n, early)
+    differ = same(undisturbed, state(early)) if codes[-1] == 0 else ["not at its end"]
+    c.true(f"from {kept[0]}, between two couplings: codes {codes}, every bit{': but ' + ', '.join(differ[:4]) if differ else ''}", codes == [0] and not differ)
+    worst_wait = 0.0
     for kind in ("SIGKILL", "signal"):
         for i in range(moments):
             folder = os.path.join(work.name, "run")
