@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cfd/bodies/solid_shape.h"
 #include "cfd/grid/box.h"
 #include "cfd/grid/grid.h"
 #include "cfd/measures/open_shares.h"
@@ -68,7 +69,9 @@ struct FluidSettings {
   Convection convection = Convection::kVanLeer;
   Choice implicit_viscosity = Choice::kAuto;
   bool gap_friction = false;    ///< one-cell-deep scenes: -12 mu u / W^2
-  OpenSpaceModel open_space;    ///< vessels and bodies inside the grid; empty: there are none
+  std::vector<Body> bodies;     ///< vessels and bodies inside the grid (bodies/cut_grid.h)
+  std::vector<Vec3> fluid_at;   ///< points that the fluid holds, where no inlet or outlet tells
+  OpenSpaceModel open_space;    ///< in place of bodies: shares as given (tests)
   double pressure_rtol = 1e-6;  ///< continuity error wanted, relative to U/h; also -fluid_pressure_rtol
   /// Central convection damps nothing: extrapolated in time it grows above a Courant number of 0.67 (in theory;
   /// tests/verification/test_central.cpp measures 0.60 to 0.65).

@@ -21,6 +21,22 @@ namespace twogrid {
 
 class GridMeasures;
 
+/// Friction between a face's momentum volume and a piece of a body's surface: mu eps conductance (u_w - u), N.
+struct WallPiece {
+  int body = 0;
+  int component = 0;
+  Int3 face{0, 0, 0};      ///< own
+  double conductance = 0;  ///< wetted area over its distance (m)
+  Vec3 point{0, 0, 0};     ///< on the surface (m)
+};
+/// The surface inside one cell.
+struct WallCell {
+  int body = 0;        ///< of the larger part
+  Int3 cell{0, 0, 0};  ///< own
+  Vec3 area{0, 0, 0};  ///< sum of area times normal into the fluid (m2): what the open parts of its faces lack to close
+  Vec3 point{0, 0, 0};  ///< on the surface (m)
+};
+
 /// The shares as they are given.
 struct OpenSpace {
   FaceField<FineGrid> alpha;  ///< open share of the area of own faces, 0 to 1
@@ -28,6 +44,13 @@ struct OpenSpace {
   /// K' of own faces (1/m2): friction -mu K' i_f u per volume, of walls that no side of the domain stands for. Of size 0
   /// where there is none.
   FaceField<FineGrid> friction;
+  /// Bits of own faces: 1 << (2 d + high): viscous stress passes between this face and the next one below or above in d,
+  /// of the same component; nothing of a wall stands between them. kSliver: open, but its centre lies in the solid: it
+  /// flows by pressure and wall friction alone. Of size 0: all open faces are linked, those beside closed ones not.
+  std::array<Array3<unsigned char>, 3> links;
+  static constexpr unsigned char kAllLinks = 63, kSliver = 64;
+  std::vector<WallPiece> pieces;  ///< friction from which K' is made: K' theta_f V_f = sum of conductances
+  std::vector<WallCell> surface;
 };
 
 /// Fills the shares of the rank's own faces and cells, in which on entry all is open and there is no friction. Called

@@ -1,0 +1,37 @@
+// A surface that bounds the fluid inside its grid: a vessel's wall, a tube, a cone. It answers what the cutting of the
+// grid asks (cut_grid.h) and knows nothing of grids; which of its sides the fluid is on is found there. All ranks hold
+// the whole surface.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "cfd/grid/box.h"
+
+namespace twogrid {
+
+class SolidShape {
+ public:
+  virtual ~SolidShape() = default;
+  static constexpr double kNone = 2;
+  /// Share of the way from x over `length` (m, of either sign) along axis d at which the surface is first met, 0 to 1;
+  /// kNone where it isn't.
+  virtual double first_crossing(const Vec3& x, int d, double length) const = 0;
+  /// Distance of x from the surface (m), and the surface's nearest point; need be right only where it is below `reach`,
+  /// and is larger than it elsewhere.
+  virtual double distance(const Vec3& x, double reach, Vec3& nearest) const = 0;
+  /// What the shape itself knows of a point that is not on its surface. A region knows what is solid, a mesh does not.
+  enum class Side { kUnknown, kSolid, kFluid };
+  virtual Side side(const Vec3&) const { return Side::kUnknown; }
+  /// Corners of a box around the surface; lo > hi: not known.
+  virtual void bounds(Vec3& lo, Vec3& hi) const { lo = {1, 1, 1}, hi = {0, 0, 0}; }
+};
+
+/// One body as the user names it.
+struct Body {
+  std::string name;
+  std::shared_ptr<const SolidShape> shape;
+  bool slip = false;
+};
+
+}  // namespace twogrid
