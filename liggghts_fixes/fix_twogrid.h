@@ -46,7 +46,7 @@ class FixPropertyAtom;
 
 namespace twogrid {
 
-class RandomState;
+class InsertionState;
 struct SceneFacts;
 
 class FixTwogrid : public LAMMPS_NS::Fix {
@@ -85,10 +85,14 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   /// Between runs: the fluid and all that the coupling has in hand, into an HDF5 file of this path, which is neither
   /// synced nor renamed. Collective. Throws with a sentence on all ranks.
   void write_checkpoint(const std::string& path);
-  /// Before the first run, when all fixes are there: it begins as the file says, which belongs to the particles that a
-  /// restart file has brought. These get their order and random numbers at once, so that commands may change them.
+  /// Before the first run, when all fixes are there: it begins as the file of a checkpoint's folder says, which belongs to
+  /// the particles that a restart file has brought. These get their order at once, so that commands may change them.
   /// Collective.
   void go_on_from(const std::string& path);
+  /// Whether it goes on, and every rank has the part of the box that it had then.
+  bool ranks_as_then() const;
+  /// A run command comes, and LIGGGHTS still has what a restart file holds of the particles.
+  void before_run();
 
  private:
   /// f(), with the fix's name and the step in front of the sentence of any exception.
@@ -101,7 +105,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void make_balance();
   void read_beginning();
   Layout layout(const FineGrid& grid) const;
-  CheckpointParts checkpoint_parts(RandomState& random);
+  CheckpointParts checkpoint_parts(InsertionState* insertion);
   Moment now() const;
   Beginning beginning() const;
   void refuse_without_state() const;
@@ -125,6 +129,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::unique_ptr<Output> output_;  // null: none wanted
   Accuracy accuracy_;
   std::optional<Beginning> beginning_;  // of a checkpoint, until the first run is set up
+  bool in_folder_ = false;              // one of -restart, which hands over insertion and the particles' columns itself
   std::unique_ptr<Balance> balance_;    // null: not wanted
   bool balance_said_ = false;
 

@@ -7,9 +7,10 @@
 
 #include "liggghts_fixes/fix_twogrid.h"
 #include "liggghts_fixes/liggghts/box.h"
+#include "liggghts_fixes/liggghts/insertion_state.h"
 #include "liggghts_fixes/liggghts/particle_columns.h"
-#include "liggghts_fixes/liggghts/random_state.h"
 #include "liggghts_fixes/liggghts/rank_parts.h"
+#include "liggghts_fixes/liggghts/restart_file.h"
 #include "liggghts_fixes/run/petsc_session.h"
 #include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/script/words.h"
@@ -23,9 +24,13 @@ void FixTwogrid::refuse_without_state() const {
     refuse("checkpoint write", "it before the first run with this fix", "it after a run: there is nothing to keep yet");
 }
 
-CheckpointParts FixTwogrid::checkpoint_parts(RandomState& random) {
-  std::vector<NumberList> numbers{numbers_of("watch", watch_.coupling()), numbers_of("random", random)};
-  numbers.back().of_script = true;
+/// insertion: null: the folder's own file holds it.
+CheckpointParts FixTwogrid::checkpoint_parts(InsertionState* insertion) {
+  std::vector<NumberList> numbers{numbers_of("watch", watch_.coupling())};
+  if (insertion) {
+    numbers.push_back(numbers_of("insertion", *insertion));
+    numbers.back().of_script = true;
+  }
   if (accuracy_.on()) numbers.push_back(numbers_of("accuracy", accuracy_));
   if (balance_ && !beginning_) numbers.push_back(numbers_of("balance", *balance_));
   return {world, script_.settings, *fluid_, *coupling_, schedule_.state(), output_.get(), std::move(numbers)};
@@ -42,8 +47,7 @@ Beginning FixTwogrid::beginning() const {
 void FixTwogrid::write_checkpoint(const std::string& path) {
   guarded([&] {
     refuse_without_state();
-    RandomState random(*lmp);
-    write_plain_checkpoint(path, checkpoint_parts(random), now(), beginning());
+    write_plain_checkpoint(path, checkpoint_parts(nullptr), now(), beginning());
   });
 }
 
@@ -51,10 +55,19 @@ void FixTwogrid::go_on_from(const std::string& path) {
   guarded([&] {
     if (fluid_) refuse("checkpoint read", "it after the first run with this fix", "it before");
     script_.checkpoint_read = path;
+    in_folder_ = true;
     read_beginning();
     if (beginning_->ranks.ordered) restore_order(*lmp, beginning_->ranks);
     beginning_->ranks.ordered = false;
   });
+}
+
+void FixTwogrid::before_run() {
+  if (!fluid_ && !in_folder_ && !script_.checkpoint_read.empty()) take_columns_again(*lmp, "release_fix_insert_stream");
+}
+
+bool FixTwogrid::ranks_as_then() const {
+  return beginning_ && beginning_->ranks.known();
 }
 
 /// Before a run's set-up, which may move borders: with what was known of them.
@@ -86,16 +99,17 @@ void FixTwogrid::keep_checkpoint() {
   const std::string path = std::exchange(script_.checkpoint_write, "");
   if (replaying()) return;
   refuse_without_state();
-  RandomState random(*lmp);
-  twogrid::write_checkpoint(path, checkpoint_parts(random), now(), beginning());
+  InsertionState insertion(*lmp);
+  twogrid::write_checkpoint(path, checkpoint_parts(&insertion), now(), beginning());
   watch_.say("twogrid: the fluid of step " + std::to_string(update->ntimestep) + " is in " + path + "\n");
 }
 
 void FixTwogrid::read_checkpoint() {
   const std::string path = std::exchange(script_.checkpoint_read, "");
-  RandomState random(*lmp);
-  twogrid::read_checkpoint(path, checkpoint_parts(random));
-  if (beginning_->ranks.known()) random.restore(*lmp);
+  InsertionState insertion(*lmp, true);
+  twogrid::read_checkpoint(path, checkpoint_parts(in_folder_ ? nullptr : &insertion));
+  if (!ranks_as_then()) insertion.forget_ranks();
+  if (!in_folder_) insertion.restore(*lmp);
   beginning_.reset();
   if (accuracy_.on()) fluid_->limit_courant_number(accuracy_.cfl());
   watch_.say("twogrid: the fluid goes on from " + path + ", t = " + text(fluid_->time()) + " s\n");

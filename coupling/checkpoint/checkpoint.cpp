@@ -34,7 +34,7 @@ namespace {
 
 constexpr char kKeyword[] = "checkpoint", kOutput[] = "/output", kAverages[] = "/averages";
 constexpr double kMost = 9e15;  // steps, particles
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 
 ParticleGrid nodes_of(const CheckpointParts& c) {
   return ParticleGrid(c.fluid.grid(), c.settings.ratio);

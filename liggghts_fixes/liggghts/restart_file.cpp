@@ -64,9 +64,10 @@ void check_restarted(bool restarted, const std::string& checkpoint) {
       checkpoint + ": read_restart in place of the box, and the fix by the ID that it had");
 }
 
-void take_columns_again(LAMMPS& lammps) {
+void take_columns_again(LAMMPS& lammps, const char* only) {
   Modify& modify = *lammps.modify;
   for (int k = 0; k < modify.nfix_restart_peratom; ++k) {
+    if (only && std::strcmp(Restarted::particle_ids(modify)[k], only) != 0) continue;
     const int f = modify.find_fix(Restarted::particle_ids(modify)[k]);
     if (f < 0 || std::strcmp(modify.fix[f]->style, "property/atom") != 0) continue;
     for (int i = 0; i < lammps.atom->nlocal; ++i) modify.fix[f]->unpack_restart(i, Restarted::places(modify)[k]);

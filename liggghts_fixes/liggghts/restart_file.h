@@ -20,6 +20,7 @@ std::string id_in_restart(LAMMPS_NS::LAMMPS& lammps);
 
 /// Before the first run: what it holds of the particles for fixes property/atom goes to them once more. LIGGGHTS changes
 /// some of it when it makes other fixes (insert/stream counts the steps anew up to which its particles are led).
-void take_columns_again(LAMMPS_NS::LAMMPS& lammps);
+/// only: of the fix of this ID; null: of all.
+void take_columns_again(LAMMPS_NS::LAMMPS& lammps, const char* only = nullptr);
 
 }  // namespace twogrid

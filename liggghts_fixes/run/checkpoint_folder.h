@@ -1,5 +1,5 @@
 // A folder of checkpoints, each a folder of its own, NNNNNN_step_S, with the particles' restart file, what it
-// lacks of insertion, a file for the fluid of every fix twogrid, and record.txt: where the script stands (ResumePoint), and size and checksum of all files.
+// lacks of insertion (insertion_state.h), a file for the fluid of every fix twogrid, and record.txt: where the script stands (ResumePoint), and size and checksum of all files.
 // It is filled under another name, synced, and renamed: what has such a name is whole, unless the disk has lost
 // something since. Used by one rank.
 #pragma once

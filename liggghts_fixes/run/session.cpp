@@ -18,9 +18,9 @@
 #include "cfd/parallel/rank_0.h"
 #include "cfd/parallel/ranks.h"
 #include "liggghts_fixes/fix_twogrid.h"
+#include "liggghts_fixes/liggghts/insertion_state.h"
 #include "liggghts_fixes/liggghts/not_restored.h"
 #include "liggghts_fixes/liggghts/old_output.h"
-#include "liggghts_fixes/liggghts/random_state.h"
 #include "liggghts_fixes/liggghts/restart_file.h"
 #include "liggghts_fixes/liggghts/tell.h"
 #include "liggghts_fixes/report/status.h"
@@ -120,6 +120,7 @@ class StatusOfRun {
 
 void Session::run_command(const Command& words) {
   let_runs_end(lammps_, early_end_);
+  for (FixTwogrid* f : fluids(lammps_)) f->before_run();
   std::optional<RunRequest> request = run_request(words, lammps_.update->ntimestep, lammps_.update->dt);
   if (!request) return stock_run(lammps_, words[0], Command(words.begin() + 1, words.end()));
   run_parts(words, *request);
@@ -204,7 +205,7 @@ void Session::write_checkpoint(const Command& words, const RunRequest& request) 
     }
     for (FixTwogrid* f : fluids(lammps_))
       if (f->has_state()) f->write_checkpoint(part + "/" + f->id + ".h5");
-    const std::string insertion = RandomState(lammps_).text(lammps_.world);
+    const std::string insertion = InsertionState(lammps_).text(lammps_.world);
     ResumePoint p = interpreter_.here();
     p.run = words;
     p.begin = request.begin;
@@ -247,7 +248,6 @@ void Session::go_on() {
   const std::string changed = interpreter_.go_on_from(point, from_.path + "/" + kParticlesFile);
   set_replaying(false);
   take_columns_again(lammps_);
-  RandomState(insertion, rank_of(lammps_.world), ranks_of(lammps_.world)).restore(lammps_);
   Update& update = *lammps_.update;
   if (update.ntimestep != point.step || (long long)(lammps_.atom->natoms) != point.particles)
     throw std::runtime_error("-restart: found step " + std::to_string(update.ntimestep) + " with " +
@@ -257,12 +257,16 @@ void Session::go_on() {
   update.atime = point.time;
   update.atimestep = update.ntimestep;
   go_on_with_dumps(lammps_);
+  InsertionState state(insertion, rank_of(lammps_.world), ranks_of(lammps_.world));
   for (FixTwogrid* f : fluids(lammps_)) {
     const std::string file = from_.path + "/" + f->id + ".h5";
     int there = access(file.c_str(), F_OK) == 0;
     MPI_Bcast(&there, 1, MPI_INT, 0, lammps_.world);
-    if (there) f->go_on_from(file);
+    if (!there) continue;
+    f->go_on_from(file);
+    if (!f->ranks_as_then()) state.forget_ranks();
   }
+  state.restore(lammps_);
   if (point.run.empty()) return;
   Command words = point.run;
   long long end = point.end;

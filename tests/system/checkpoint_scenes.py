@@ -55,6 +55,24 @@ endloop
 endfacet
 endsolid plate
 """
+# Of two triangles, at z = 6.5 mm.
+FACE = """solid face
+facet normal 0 0 -1
+outer loop
+vertex 0.0008 0.0008 0.0065
+vertex 0.0008 0.0035 0.0065
+vertex 0.0035 0.0035 0.0065
+endloop
+endfacet
+facet normal 0 0 -1
+outer loop
+vertex 0.0008 0.0008 0.0065
+vertex 0.0035 0.0035 0.0065
+vertex 0.0035 0.0008 0.0065
+endloop
+endfacet
+endsolid face
+"""
 MESH = """fix plate all mesh/surface file plate.stl type 2
 fix plates all wall/gran model hooke/stiffness tangential history mesh n_meshes 1 meshes plate absolute_damping on
 """
@@ -102,11 +120,11 @@ run {self.steps[1]}
         data = data_file(self.box, x, 1e-3, 2500, v).replace("1 atom types", "2 atom types")
         middle = f"run {self.steps[0]}\nwrite_restart half\nfix_modify gas checkpoint write half.h5\n{self.between}"
         return Run(executable, self.script("read_data particles.data", ranks, "one", middle), ranks, self.options,
-                   files={"particles.data": data, "plate.stl": PLATE}, launcher=MPIRUN if ranks > 1 else ())
+                   files={"particles.data": data, "plate.stl": PLATE, "face.stl": FACE}, launcher=MPIRUN if ranks > 1 else ())
 
     def second(self, executable, ranks, before, middle="", expect_success=True, left_out=None):
         middle = f"fix_modify gas checkpoint read {before.file('half.h5')}\n{self.between}" + middle
-        return Run(executable, self.script(f"read_restart {before.file('half')}", ranks, "two", middle), ranks, self.options, files={"plate.stl": PLATE}, expect_success=expect_success,
+        return Run(executable, self.script(f"read_restart {before.file('half')}", ranks, "two", middle), ranks, self.options, files={"plate.stl": PLATE, "face.stl": FACE}, expect_success=expect_success,
                    environment={"TWOGRID_CHECKPOINT_LEAVE_OUT": left_out} if left_out else {}, launcher=MPIRUN if ranks > 1 else ())
 
 
