@@ -31,15 +31,19 @@ FluidDomain::FluidDomain(MPI_Comm c, const FineGrid& g, const Layout& l, const F
 /// Takes the shares from the settings' model, refuses those that can't be right, and brings them to the halo.
 void FluidDomain::make_open_shares() {
   OpenSpace space;
+  OpenShares::Held held;
   for (int d = 0; d < 3; ++d) space.alpha[d].reset(faces[d], 1.0);
   space.theta.reset(own, 1.0);
   settings_.open_space(grid, space);
-  FaceField<FineGrid> alpha, theta_f, friction;
-  CellField<FineGrid> theta(local, 1.0);
-  bool rubs = false;
+  FaceField<FineGrid>&alpha = held.alpha, &theta_f = held.theta_f, &friction = held.friction;
+  CellField<FineGrid>& theta = held.theta;
+  theta.reset(local, 1.0);
+  // Alike on all ranks, also where a rank has no cells.
+  int has[3] = {!space.pieces.empty() || space.friction[0].size() > 0, space.links[0].size() > 0,
+                !space.pieces.empty()};
+  MPI_Allreduce(MPI_IN_PLACE, has, 3, MPI_INT, MPI_MAX, comm);
   double bad[2] = {0, 0}, open = 0;  // shares that are none, frictions that are none
   for (int d = 0; d < 3; ++d) {
-    rubs = rubs || space.friction[d].size() > 0;
     alpha[d].reset(local, 1.0), theta_f[d].reset(local, 1.0);
     for_each(faces[d], [&](int i, int j, int k) {
       const double a = alpha[d](i, j, k) = space.alpha[d](i, j, k);
@@ -51,18 +55,18 @@ void FluidDomain::make_open_shares() {
     open += t * measures.cell_volume(i, j, k);
     if (!(t >= 0 && t <= 1)) ++bad[0];
   });
-  for (int d = 0; rubs && d < 3; ++d) {
-    friction[d].reset(local);
-    if (space.friction[d].size() > 0)
-      for_each(faces[d], [&](int i, int j, int k) {
-        const double K = friction[d](i, j, k) = space.friction[d](i, j, k);
-        if (!(K >= 0 && std::isfinite(K))) ++bad[1];
-      });
-  }
   extend(theta);
   extend_faces(alpha);
   measures.face_mean(theta, theta_f);
   extend_faces(theta_f);
+  if (has[0]) add_up_friction(space, has[2], held);
+  if (has[1]) bring_links(space, held);
+  for (int d = 0; d < 3; ++d)
+    for_each(faces[d], [&](int i, int j, int k) {
+      const bool open = alpha[d](i, j, k) > 0;
+      if (has[0] && open && !(friction[d](i, j, k) >= 0 && std::isfinite(friction[d](i, j, k)))) ++bad[1];
+      if (has[1] && (!open || held.links[d](i, j, k) & OpenSpace::kSliver)) held.own[d].push_back(theta.index(i, j, k));
+    });
   double apart[2] = {0, 0};  // open faces beside a closed cell, cells without an open face
   for (int d = 0; d < 3; ++d)
     for_each(faces[d], [&](int i, int j, int k) {
@@ -91,9 +95,48 @@ void FluidDomain::make_open_shares() {
     }
   if (!(sums[4] > 0))
     throw std::invalid_argument("the bodies leave no room for the fluid; wanted: some open cells in its domain");
-  measures.set_open(std::make_unique<const OpenShares>(measures, local, alpha, std::move(theta), std::move(theta_f),
-                                                       std::move(friction), sums[4]));
+  held.pieces = std::move(space.pieces), held.surface = std::move(space.surface);
+  held.volume = sums[4];
+  measures.set_open(std::make_unique<const OpenShares>(measures, local, solved, std::move(held)));
   boundaries.close_faces(comm, *measures.open());
+}
+
+/// K' of own faces: of the pieces, where there are any; else as given.
+void FluidDomain::add_up_friction(const OpenSpace& space, bool of_pieces, OpenShares::Held& held) const {
+  for (int d = 0; d < 3; ++d) {
+    held.friction[d].reset(local);
+    if (space.friction[d].size() > 0 && !of_pieces)
+      for_each(faces[d], [&](int i, int j, int k) { held.friction[d](i, j, k) = space.friction[d](i, j, k); });
+  }
+  for (const WallPiece& piece : space.pieces) {
+    const int c = piece.component;
+    const std::ptrdiff_t m = held.theta.index(piece.face[0], piece.face[1], piece.face[2]);
+    if (!(held.alpha[c].data()[m] > 0)) continue;
+    held.friction[c].data()[m] += piece.conductance / (held.theta_f[c].data()[m] *
+                                                       measures.volume(c, piece.face[0], piece.face[1], piece.face[2]));
+  }
+}
+
+/// Links of own faces and of the halo. Beyond the domain's sides nothing is cut that is not inside. Collective.
+void FluidDomain::bring_links(const OpenSpace& space, OpenShares::Held& held) const {
+  FaceField<FineGrid> bits;
+  for (int d = 0; d < 3; ++d) {
+    bits[d].reset(local, OpenSpace::kAllLinks);
+    for_each(faces[d], [&](int i, int j, int k) { bits[d](i, j, k) = space.links[d](i, j, k); });
+  }
+  extend_faces(bits);
+  for (int d = 0; d < 3; ++d) {
+    held.links[d].reset(local, OpenSpace::kAllLinks);
+    for_each(local, [&](int i, int j, int k) {
+      const Int3 x{i, j, k};
+      bool beyond = false;
+      for (int e = 0; e < 3; ++e)
+        beyond = beyond || (!grid.axis[e].periodic() && (x[e] < 0 || x[e] > grid.axis[e].n() - (d == e ? 0 : 1)));
+      unsigned char& b = held.links[d](i, j, k);
+      b = (unsigned char)(bits[d](i, j, k));
+      if (beyond) b |= OpenSpace::kAllLinks;
+    });
+  }
 }
 
 /// Halo, and beyond the domain's sides the value of the face inside. Collective.

@@ -41,6 +41,8 @@ struct FluidDomain {
 
  private:
   void make_open_shares();
+  void add_up_friction(const OpenSpace& space, bool of_pieces, OpenShares::Held& held) const;
+  void bring_links(const OpenSpace& space, OpenShares::Held& held) const;
   void extend_faces(FaceField<FineGrid>& f) const;
 
   const FluidSettings& settings_;

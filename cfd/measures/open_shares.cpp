@@ -6,15 +6,20 @@
 
 namespace twogrid {
 
-OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha,
-                       CellField<FineGrid> theta, FaceField<FineGrid> theta_f, FaceField<FineGrid> friction,
-                       double volume)
-    : theta_(std::move(theta)), theta_f_(std::move(theta_f)), friction_(std::move(friction)), volume_(volume) {
+OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved, Held held)
+    : theta_(std::move(held.theta)),
+      theta_f_(std::move(held.theta_f)),
+      friction_(std::move(held.friction)),
+      links_(std::move(held.links)),
+      without_convection_(std::move(held.own)),
+      pieces_(std::move(held.pieces)),
+      surface_(std::move(held.surface)),
+      volume_(held.volume) {
   for (int d = 0; d < 3; ++d) {
     ratio_[d].reset(local, 1.0);
     for (std::size_t m = 0; m < theta_f_[d].size(); ++m) {
       double& open = theta_f_[d].data()[m];
-      const double a = alpha[d].data()[m];
+      const double a = held.alpha[d].data()[m];
       if (a > 0 && open > 0) {
         ratio_[d].data()[m] = a / open;
         continue;
@@ -24,7 +29,10 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const Fac
       open = ratio_[d].data()[m] = 0;
     }
   }
-  set_edges(measures, local, alpha);
+  if (has_links())
+    set_uncut(measures, local, solved, held.alpha);
+  else
+    set_edges(measures, local, held.alpha);
 }
 
 /// A link between two faces through an edge is open where the side it passes is; one to a closed face is a wall's.
@@ -48,6 +56,43 @@ void OpenShares::set_edges(const GridMeasures& measures, const Box& local, const
       edge_[t].data()[m] = wall ? 0.0 : std::min(mean(fb[m - sa], fb[m], ha), mean(fa[m - sb], fa[m], hb)) / cells;
     });
   }
+}
+
+/// Where a link beside an edge or in a cell is cut, or ends at a face that is, the whole stress there is left out.
+void OpenShares::set_uncut(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved,
+                           const FaceField<FineGrid>& alpha) {
+  const auto whole = [&](int c, std::ptrdiff_t m) { return alpha[c].data()[m] == 1 && !sliver(c, m); };
+  const double* theta = theta_.data();
+  for (int t = 0; t < 3; ++t) {
+    const int a = (t + 1) % 3, b = (t + 2) % 3;
+    edge_[t].reset(local, 1.0);
+    if (!solved[a] || !solved[b]) continue;
+    Box inner = local;
+    for (int d : {a, b}) ++inner.lo[d];
+    const std::ptrdiff_t sa = theta_.stride(a), sb = theta_.stride(b);
+    for_each(inner, [&](int i, int j, int k) {
+      const Int3 x{i, j, k};
+      const std::ptrdiff_t m = theta_.index(i, j, k);
+      const double ha = measures.axis(a).above_share_[x[a] - measures.axis(a).lo],
+                   hb = measures.axis(b).above_share_[x[b] - measures.axis(b).lo];
+      const auto mean = [](double low, double high, double share) { return low + share * (high - low); };
+      const double cells = mean(mean(theta[m - sa - sb], theta[m - sb], ha), mean(theta[m - sa], theta[m], ha), hb);
+      const bool uncut = whole(a, m - sb) && whole(a, m) && whole(b, m - sa) && whole(b, m) && linked(a, b, m - sb) &&
+                         linked(b, a, m - sa);
+      edge_[t].data()[m] = uncut ? 1 / cells : 0.0;
+    });
+  }
+  cell_.reset(local, 1.0);
+  Box inner = local;
+  for (int c = 0; c < 3; ++c)
+    if (solved[c]) --inner.hi[c];
+  for_each(inner, [&](int i, int j, int k) {
+    const std::ptrdiff_t m = theta_.index(i, j, k);
+    bool uncut = true;
+    for (int c = 0; c < 3; ++c)
+      uncut = uncut && (!solved[c] || (whole(c, m) && whole(c, m + theta_.stride(c)) && linked(c, c, m)));
+    cell_.data()[m] = uncut ? 1 / theta[m] : 0.0;
+  });
 }
 
 void OpenShares::flux_share(FaceField<FineGrid>& i_f, FaceField<FineGrid>& phi_f) const {

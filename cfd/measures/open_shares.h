@@ -5,7 +5,8 @@
 //   inertia share  i_f = mean of e                     what of the face's volume V_f is fluid
 //   flux share     phi_f = (alpha/theta_f) i_f         F = phi u A, A the whole face's area
 //   pressure       theta_f V_f (grad p + G): of the open part of the volume
-//   edges          eps times the smaller of the two links' open shares
+//   edges, cells   eps of the open space where nothing is cut beside them, and no stress where something is: those links
+//                  are momentum/cut_links.h's. Shares without links: eps times the smaller of the two links' open shares
 // so that continuity, history and inertia keep their formulas. A closed face (alpha = 0) is a prescribed one with u = 0;
 // its i_f and phi_f are eps of the open cells beside it, and never 0: what is divided by them stays finite.
 #pragma once
@@ -59,10 +60,18 @@ using OpenSpaceModel = std::function<void(const FineGrid&, OpenSpace&)>;
 
 class OpenShares {
  public:
-  /// Fields on own cells and halo, halo and ghosts filled; theta_f: the mean of theta. volume: of the whole domain's open
-  /// part (m3).
-  OpenShares(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha,
-             CellField<FineGrid> theta, FaceField<FineGrid> theta_f, FaceField<FineGrid> friction, double volume);
+  /// What a rank holds: fields on own cells and halo, halo and ghosts filled.
+  struct Held {
+    FaceField<FineGrid> alpha, theta_f;  // theta_f: the mean of theta
+    CellField<FineGrid> theta;
+    FaceField<FineGrid> friction;                    // of size 0 where there is none
+    std::array<Array3<unsigned char>, 3> links;      // as OpenSpace's; beyond the domain's sides all; of size 0: none
+    std::array<std::vector<std::ptrdiff_t>, 3> own;  // memory indices of own faces that are closed or slivers
+    std::vector<WallPiece> pieces;
+    std::vector<WallCell> surface;
+    double volume = 0;  // of the whole domain's open part (m3)
+  };
+  OpenShares(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved, Held held);
 
   /// Open share of cells; own cells, halo, ghosts.
   const CellField<FineGrid>& theta() const { return theta_; }
@@ -73,8 +82,20 @@ class OpenShares {
   /// alpha of a face by memory index.
   double alpha(int d, std::ptrdiff_t m) const { return ratio_[d].data()[m] * theta_f_[d].data()[m]; }
   /// Factor from the mean of e over an edge's four cells to eps times the edge's open share; edge along t at the low
-  /// corner of the cell.
+  /// corner of the cell. With links: to eps, or 0 where one of its faces is cut.
   const CellField<FineGrid>& edge(int t) const { return edge_[t]; }
+  /// With links: factor from a cell's e to eps, or 0 where one of its faces is cut.
+  const CellField<FineGrid>& cell() const { return cell_; }
+  bool has_links() const { return links_[0].size() > 0; }
+  /// True if viscous stress passes from the face of component c to the next one above in d.
+  bool linked(int c, int d, std::ptrdiff_t lower) const {
+    return (links_[c].data()[lower] >> (2 * d + 1) & 1) && (links_[c].data()[lower + theta_.stride(d)] >> (2 * d) & 1);
+  }
+  bool sliver(int c, std::ptrdiff_t m) const { return links_[c].data()[m] & OpenSpace::kSliver; }
+  /// Memory indices of own faces that take no part in convection: slivers, and closed ones.
+  const std::vector<std::ptrdiff_t>& without_convection(int c) const { return without_convection_[c]; }
+  const std::vector<WallPiece>& pieces() const { return pieces_; }
+  const std::vector<WallCell>& surface() const { return surface_; }
   bool has_friction() const { return friction_[0].size() > 0; }
   /// K' of own faces.
   const FaceField<FineGrid>& friction() const { return friction_; }
@@ -87,12 +108,18 @@ class OpenShares {
 
  private:
   void set_edges(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha);
+  void set_uncut(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved,
+                 const FaceField<FineGrid>& alpha);
 
   CellField<FineGrid> theta_;
   FaceField<FineGrid> theta_f_, ratio_, friction_;
   std::array<CellField<FineGrid>, 3> edge_;
-  std::array<std::vector<std::ptrdiff_t>, 3> closed_;
+  CellField<FineGrid> cell_;
+  std::array<Array3<unsigned char>, 3> links_;
+  std::array<std::vector<std::ptrdiff_t>, 3> closed_, without_convection_;
   std::array<std::vector<double>, 3> open_beside_;  // of closed faces: 1/theta_f, 0 where no open cell is beside
+  std::vector<WallPiece> pieces_;
+  std::vector<WallCell> surface_;
   double volume_;
 };
 

@@ -16,6 +16,7 @@ ViscousTerm::ViscousTerm(const GridMeasures& measures, const Box& own, const Box
   const std::size_t slab = std::size_t(local.size(0)) * local.size(1);
   for (auto* s : {&normal_[0], &normal_[1], &normal_[2], &normal_below_}) s->assign(slab, 0.0);
   for (auto* s : {&shear_[0], &shear_[1], &shear_[2], &shear_above_[0], &shear_above_[1]}) s->assign(slab, 0.0);
+  if (measures.open() && measures.open()->has_links()) cut_ = std::make_unique<CutLinks>(measures, faces, solved);
 }
 
 /// mu in cell m, on its low edge normal to two directions (strides sa, sb; shares of the upper cells ha, hb), on its low
@@ -58,6 +59,10 @@ inline void ViscousTerm::normal_stresses(const Mu& mu, const CellField<FineGrid>
       ny[i] = g * (y - third);
       nz[i] = g * (z - third);
     }
+    if (!cut_) continue;
+    const double* share = measures_.open()->cell().data() + m;
+#pragma GCC ivdep
+    for (int i = 0; i < n; ++i) nx[i] *= share[i], ny[i] *= share[i], nz[i] *= share[i];
   }
 }
 
@@ -161,6 +166,7 @@ void ViscousTerm::add(const Property& mu, const CellField<FineGrid>& eps, const 
     add_varying(mu.field(), eps, u, out);
   else
     add_uniform(mu.number, eps, u, out);
+  if (cut_) cut_->add(mu, eps, u, out);
 }
 
 template <class Mu>
@@ -168,14 +174,21 @@ inline void ViscousTerm::diagonal_with(const Mu& mu, const CellField<FineGrid>& 
                                        FaceField<FineGrid>& diagonal) const {
   if (own_.empty()) return;
   const std::array<std::ptrdiff_t, 3> s{eps.stride(0), eps.stride(1), eps.stride(2)};
+  const OpenShares* open = measures_.open();
   for (int c = 0; c < 3; ++c)
     for_each(faces_[c], [&](int i, int j, int k) {
       const Int3 x{i, j, k};
       const std::ptrdiff_t m = eps.index(i, j, k);
       const double mean = 0.5 * (eps.data()[m] + eps.data()[m - s[c]]);
-      double sum = 4.0 / 3.0 * (1 / axis_[c].width(x[c] - 1) + 1 / axis_[c].width(x[c])) / axis_[c].face_width(x[c]);
+      // Of the stresses in the cells and on the edges around those that are there.
+      const auto in_cell = [&](std::ptrdiff_t at) { return cut_ && open->cell().data()[at] == 0 ? 0.0 : 1.0; };
+      const auto on_edge = [&](int t, std::ptrdiff_t at) { return cut_ && open->edge(t).data()[at] == 0 ? 0.0 : 1.0; };
+      double sum = 4.0 / 3.0 * (in_cell(m - s[c]) / axis_[c].width(x[c] - 1) + in_cell(m) / axis_[c].width(x[c])) /
+                   axis_[c].face_width(x[c]);
       for (int d : {(c + 1) % 3, (c + 2) % 3})
-        sum += (1 / axis_[d].face_width(x[d]) + 1 / axis_[d].face_width(x[d] + 1)) / axis_[d].width(x[d]);
+        sum += (on_edge(3 - c - d, m) / axis_[d].face_width(x[d]) +
+                on_edge(3 - c - d, m + s[d]) / axis_[d].face_width(x[d] + 1)) /
+               axis_[d].width(x[d]);
       diagonal[c].data()[m] = mu.on_face(m, s[c]) * mean * sum * measures_.volume(c, i, j, k);
     });
 }
@@ -185,6 +198,7 @@ void ViscousTerm::diagonal(const Property& mu, const CellField<FineGrid>& eps, F
     diagonal_with(Varying{mu.field().data()}, eps, diagonal);
   else
     diagonal_with(Uniform{mu.number}, eps, diagonal);
+  if (cut_) cut_->add_diagonal(mu, eps, diagonal);
 }
 
 }  // namespace twogrid

@@ -1,14 +1,16 @@
 // Viscous stress in the momentum balance: div(eps tau), tau = mu (grad u + grad u^T - 2/3 div u I), on the staggered
-// volumes (cfd/measures/grid_measures.h). With open shares eps is that of the whole cell, theta eps, and edges at closed
-// faces carry no stress: a body's friction comes with its OpenSpace.
+// volumes (cfd/measures/grid_measures.h). With open shares eps is that of the whole cell, theta eps; beside a body's wall
+// links stand in for the stress (cut_links.h), and its friction comes with its OpenSpace.
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "cfd/grid/field.h"
 #include "cfd/grid/property.h"
 #include "cfd/measures/grid_measures.h"
+#include "cfd/momentum/cut_links.h"
 
 namespace twogrid {
 
@@ -54,6 +56,7 @@ class ViscousTerm {
   std::array<Slab, 3> normal_, shear_;
   Slab normal_below_;
   std::array<Slab, 2> shear_above_;
+  std::unique_ptr<const CutLinks> cut_;  // null: nothing is cut
 };
 
 }  // namespace twogrid

@@ -118,8 +118,10 @@ class FakeFluid : public Fluid {
            const std::function<double(const Vec3&)>& theta_at) {
     const Box& local = eps_.box();
     const GridMeasures measures(grid_, own_cells_, local);
-    FaceField<FineGrid> alpha, theta_f;
-    CellField<FineGrid> theta(local, 1.0);
+    OpenShares::Held held;
+    FaceField<FineGrid>&alpha = held.alpha, &theta_f = held.theta_f;
+    CellField<FineGrid>& theta = held.theta;
+    theta.reset(local, 1.0);
     const auto inside = [&](Vec3 x) {
       for (int d = 0; d < 3; ++d) {
         const Axis& a = grid_.axis[d];
@@ -140,8 +142,8 @@ class FakeFluid : public Fluid {
       for_each(intersect(state_[d].box(), local), [&](int i, int j, int k) {
         if (!(alpha[d](i, j, k) > 0)) state_[d](i, j, k) = FaceState::kFixed;
       });
-    open_ = std::make_unique<OpenShares>(measures, local, alpha, std::move(theta), std::move(theta_f),
-                                         FaceField<FineGrid>{}, open);
+    held.volume = open;
+    open_ = std::make_unique<OpenShares>(measures, local, std::array<bool, 3>{true, true, true}, std::move(held));
   }
 
   std::unique_ptr<OpenShares> open_;
