@@ -109,6 +109,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   Moment now() const;
   Beginning beginning() const;
   void refuse_without_state() const;
+  void sync_output();
   void keep_checkpoint();
   void read_checkpoint();
   Particles particles();

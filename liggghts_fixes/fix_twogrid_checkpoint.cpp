@@ -47,8 +47,15 @@ Beginning FixTwogrid::beginning() const {
 void FixTwogrid::write_checkpoint(const std::string& path) {
   guarded([&] {
     refuse_without_state();
+    sync_output();
     write_plain_checkpoint(path, checkpoint_parts(nullptr), now(), beginning());
   });
+}
+
+/// A checkpoint goes on in the output file: its frames must be there.
+void FixTwogrid::sync_output() {
+  const std::string failure = output_ ? output_->sync() : "";
+  if (!failure.empty()) watch_.warn(failure);
 }
 
 void FixTwogrid::go_on_from(const std::string& path) {
@@ -99,6 +106,7 @@ void FixTwogrid::keep_checkpoint() {
   const std::string path = std::exchange(script_.checkpoint_write, "");
   if (replaying()) return;
   refuse_without_state();
+  sync_output();
   InsertionState insertion(*lmp);
   twogrid::write_checkpoint(path, checkpoint_parts(&insertion), now(), beginning());
   watch_.say("twogrid: the fluid of step " + std::to_string(update->ntimestep) + " is in " + path + "\n");

@@ -1,13 +1,8 @@
 #include "coupling/checkpoint/checkpoint.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <map>
 #include <numeric>
 #include <set>
@@ -26,6 +21,7 @@
 #include "coupling/coupling.h"
 #include "coupling/coupling_state.h"
 #include "coupling/output/averages.h"
+#include "coupling/output/on_disk.h"
 #include "coupling/output/output.h"
 
 namespace twogrid {
@@ -181,20 +177,6 @@ RankParts read_ranks(MPI_Comm comm, Hdf5File& file) {
   file.read("/ranks/tags", part, parts.tags.data());
   parts.ordered = true;
   return parts;
-}
-
-/// On the disk, under its name. Empty: done; else why not.
-std::string put_in_place(const std::string& from, const std::string& to) {
-  const int f = open(from.c_str(), O_RDONLY);
-  const bool synced = f >= 0 && fsync(f) == 0;
-  std::string why = synced ? "" : std::strerror(errno);
-  if (f >= 0) close(f);
-  if (!synced) return why;
-  if (std::rename(from.c_str(), to.c_str()) != 0) return std::strerror(errno);
-  const std::size_t slash = to.find_last_of('/');
-  const int folder = open(slash == std::string::npos ? "." : to.substr(0, slash + 1).c_str(), O_RDONLY | O_DIRECTORY);
-  if (folder >= 0) fsync(folder), close(folder);
-  return "";
 }
 
 [[noreturn]] void refuse_file(const std::string& path, const std::string& found, const std::string& wanted) {

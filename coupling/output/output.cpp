@@ -13,6 +13,7 @@
 #include "coupling/output/file_lock.h"
 #include "coupling/output/frame_writer.h"
 #include "coupling/output/growing_file.h"
+#include "coupling/output/on_disk.h"
 #include "coupling/output/record.h"
 #include "coupling/output/run_files.h"
 #include "coupling/output/xdmf.h"
@@ -71,6 +72,7 @@ class Output::Impl {
   void frame(double t, long step, const Particles& particles);
   void average(double weight, const Particles& particles);
   void finish();
+  std::string sync();
   OutputState& state() { return state_; }
   Averages* averages() { return averages_.get(); }
 
@@ -259,6 +261,14 @@ void Output::Impl::finish() {
   show_means();
 }
 
+std::string Output::Impl::sync() {
+  std::string why = begun_ && rank_ == 0 ? sync_to_disk(file_) : "";
+  if (!why.empty())
+    why = "output file: '" + file_ + "' could not be brought to the disk (" + why +
+          "): its last frames may be lost if the machine fails; see whether the disk is full or gone";
+  return from_rank(comm_, 0, why);
+}
+
 // The same datasets from the first time on: the file need not change.
 void Output::Impl::show_means() {
   if (means_shown_) return;
@@ -308,6 +318,9 @@ void Output::average(double weight, const Particles& particles) {
 }
 void Output::finish() {
   impl_->finish();
+}
+std::string Output::sync() {
+  return impl_->sync();
 }
 OutputState& Output::state() {
   return impl_->state();

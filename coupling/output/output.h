@@ -89,6 +89,9 @@ class Output {
   void average(double weight, const Particles& particles);
   /// Writes the means. To be called at the end of every run; more frames and another run may follow. Collective.
   void finish();
+  /// What has been written so far is on the disk, whatever happens to the machine. Returns a sentence where it isn't.
+  /// Collective.
+  std::string sync();
 
  private:
   class Impl;

@@ -17,6 +17,7 @@
 #include <stdexcept>
 
 #include "coupling/checkpoint/checksum.h"
+#include "coupling/output/on_disk.h"
 
 namespace twogrid {
 
@@ -34,15 +35,6 @@ constexpr char kRecord[] = "record.txt", kElsewhere[] = "elsewhere.txt", kRemove
 
 std::string why() {
   return std::strerror(errno);
-}
-
-/// On the disk. Empty: done; else why not.
-std::string synced(const std::string& path, bool folder) {
-  const int f = open(path.c_str(), folder ? O_RDONLY | O_DIRECTORY : O_RDONLY);
-  if (f < 0) return why();
-  std::string failure = fsync(f) == 0 || (folder && errno == EINVAL) ? "" : why();
-  close(f);
-  return failure;
 }
 
 /// Writes and checks all of it. Empty: done; else why not.
@@ -198,7 +190,7 @@ std::string CheckpointFolder::complete(const ResumePoint& point, int keep, long 
   std::string failure = e ? e.message() : "";
   for (const std::string& name : files) {
     const std::string file = part() + "/" + name;
-    if (failure.empty()) failure = synced(file, false);
+    if (failure.empty()) failure = sync_to_disk(file);
     manifest << std::quoted(name) << ' ' << fs::file_size(file, e) << ' ' << file_checksum(file) << '\n';
   }
   std::string text = to_text(point) + manifest.str();
@@ -207,17 +199,15 @@ std::string CheckpointFolder::complete(const ResumePoint& point, int keep, long 
   if (failure.empty()) failure = written(part() + "/probe", std::string(65536, 'x'));
   std::remove((part() + "/probe").c_str());
   if (failure.empty()) failure = written(part() + "/" + kRecord, text);
-  if (failure.empty()) failure = synced(part(), true);
   const long last = std::max(above, before.empty() ? 0 : number_of(before.front()));
   char name[64];
   std::snprintf(name, sizeof name, "%06ld_step_%lld", last + 1, point.step);
   std::string path = path_ + "/" + name;
-  if (failure.empty() && std::rename(part().c_str(), path.c_str()) != 0) failure = why();
+  if (failure.empty()) failure = put_in_place(part(), path);
   if (!failure.empty()) {
     give_up();
     not_written(path_, failure);
   }
-  synced(path_, true);
   // Under another name first: what a killed process has half removed is no checkpoint.
   for (std::size_t i = std::size_t(std::max(keep, 1)) - 1; i < before.size(); ++i) {
     fs::rename(path_ + "/" + before[i], path_ + "/" + kRemoved, e);

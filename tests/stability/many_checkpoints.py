@@ -12,17 +12,9 @@ import tempfile
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "system"))
-from harness import Checks, arguments, head, long_form, read_thermo, walls  # noqa: E402
+from harness import Checks, arguments, head, long_form, poured, read_thermo, walls  # noqa: E402
 
-SCRIPT = head("0 0.006 0 0.0024 0 0.024", 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=0.01, gammat=0.005) + walls(xplane=(0, 0.006), yplane=(0, 0.0024), zplane=(0, 0.024)) + """
-fix weight all gravity 9.81 vector 0 0 -1
-fix motion all nve/sphere
-fix ball all particletemplate/sphere 15485863 atom_type 1 density constant 2500 radius constant 0.0005
-fix mix all particledistribution/discrete 32452843 1 ball 1.0
-region pour block 0.0006 0.0054 0.0006 0.0018 0.0006 0.02 units box
-fix pour all insert/pack seed 49979687 distributiontemplate mix vel constant 0 0 -0.1 insert_every once overlapcheck yes all_in yes particles_in_region 60 region pour
-run 1
-unfix pour
+SCRIPT = head("0 0.006 0 0.0024 0 0.024", 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=0.01, gammat=0.005) + walls(xplane=(0, 0.006), yplane=(0, 0.0024), zplane=(0, 0.024)) + poured(60, "0.0006 0.0054 0.0006 0.0018 0.0006 0.02", 0.0005) + """\
 reset_timestep 0
 fix gas all twogrid fine 6 2 24 ratio 2 2 2 density 1.2 viscosity 1.8e-5 every 20
 variable blow equal 0.8+0.8*sin(2*PI*step/3000)

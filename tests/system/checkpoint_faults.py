@@ -13,17 +13,9 @@ import subprocess
 import tempfile
 import time
 
-from harness import MPIRUN, Checks, arguments, head, long_form, walls
+from harness import MPIRUN, Checks, Run, arguments, long_form, narrow_bed, poured
 
-SCRIPT = head("0 0.0216 0 0.0048 0 0.036", 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=0.01, gammat=0.005) + walls(xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,)) + """
-fix weight all gravity 9.81 vector 0 0 -1
-fix motion all nve/sphere
-fix ball all particletemplate/sphere 15485863 atom_type 1 density constant 2500 radius constant 0.0006
-fix mix all particledistribution/discrete 32452843 1 ball 1.0
-region pour block 0.0007 0.0209 0.0007 0.0041 0.0007 0.03 units box
-fix pour all insert/pack seed 49979687 distributiontemplate mix vel constant 0 0 -0.1 insert_every once overlapcheck yes all_in yes particles_in_region 300 region pour
-run 1
-unfix pour
+SCRIPT = narrow_bed() + poured(300) + """\
 fix gas all twogrid fine 36 1 40 ratio 6 1 4 density 1.2 viscosity 1.8e-5 every 10
 fix_modify gas boundary zlo inlet 0 0 0.4 boundary zhi pressure 0
 fix_modify gas output off
@@ -114,6 +106,12 @@ def main():
         gone = os.path.join(work, "gone")
         code, out, sentence = run(executable, ranks[-1], gone, "kept", between=lambda: shutil.rmtree(os.path.join(gone, "kept"), ignore_errors=True))
         c.true(f"the folder removed during the run: code {code}, {names(os.path.join(gone, 'kept'))[-1:]}", code in (0, 1) and (code == 0 and names(os.path.join(gone, "kept"))[-1:][0].endswith("_step_200") or "checkpoint" in sentence))
+
+        # Before a checkpoint the output file, in which it goes on, is brought to the disk.
+        gone = Run(executable, SCRIPT.replace("output off", "output every 20 file bed.h5").replace("FOLDER", "kept").replace("KEEP", "2").replace(
+            "run 199", "run 30\nfix_modify gas checkpoint write one.h5\nshell rm bed.h5\nfix_modify gas checkpoint write two.h5"), ranks[-1])
+        told = [line for line in gone.output.splitlines() if "could not be brought to the disk" in line]
+        c.true(f"no output file any more: {told[0][:120] if told else 'nothing said'}", len(told) == 1 and gone.output.index("one.h5") < gone.output.index(told[0]) and os.path.exists(gone.file("two.h5")))
 
         # What a file can suffer later.
         random.seed(3)

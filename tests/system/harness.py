@@ -171,6 +171,25 @@ def walls(**planes):
     return "".join(WALL.format(id=f"wall_{p}{i}", plane=p, at=float(a)) for p, at in planes.items() for i, a in enumerate(at))
 
 
+def narrow_bed():
+    """The script's beginning: a box of 21.6 x 4.8 x 36 mm with floor and sides, open above, for spheres of 1.2 mm."""
+    return head("0 0.0216 0 0.0048 0 0.036", 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=0.01, gammat=0.005) + walls(xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,))
+
+
+def poured(count, block="0.0007 0.0209 0.0007 0.0041 0.0007 0.03", radius=0.0006, regions=""):
+    """Lines of a script after walls: fixes weight and motion, and spheres at random places of a block (region pour). regions: lines of others."""
+    return f"""
+fix weight all gravity 9.81 vector 0 0 -1
+fix motion all nve/sphere
+fix ball all particletemplate/sphere 15485863 atom_type 1 density constant 2500 radius constant {radius!r}
+fix mix all particledistribution/discrete 32452843 1 ball 1.0
+region pour block {block} units box
+{regions}fix pour all insert/pack seed 49979687 distributiontemplate mix vel constant 0 0 -0.1 insert_every once overlapcheck yes all_in yes particles_in_region {count} region pour
+run 1
+unfix pour
+"""
+
+
 def blown_beads(cells, steps, methods=""):
     """Lines of a script after walls: gas from below through beads in a box of cells[0] x 1 x cells[1] fine cells; fixes weight, integrate and gas,
     two runs, and at the end the dump end.STEPS of positions and velocities, sorted by id."""

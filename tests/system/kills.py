@@ -17,19 +17,10 @@ import time
 import h5py
 import numpy as np
 
-from harness import Checks, arguments, head, long_form, walls
+from harness import Checks, arguments, long_form, narrow_bed, poured
 
 LAUNCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cases", "mpirun.sh")
-SCRIPT = head("0 0.0216 0 0.0048 0 0.036", 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=0.01, gammat=0.005) + walls(xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,)) + """
-fix weight all gravity 9.81 vector 0 0 -1
-fix motion all nve/sphere
-fix ball all particletemplate/sphere 15485863 atom_type 1 density constant 2500 radius constant 0.0006
-fix mix all particledistribution/discrete 32452843 1 ball 1.0
-region pour block 0.0007 0.0209 0.0007 0.0041 0.0007 0.03 units box
-region high block 0.001 0.02 0.0007 0.0041 0.025 0.035 units box
-fix pour all insert/pack seed 49979687 distributiontemplate mix vel constant 0 0 -0.1 insert_every once overlapcheck yes all_in yes particles_in_region 300 region pour
-run 1
-unfix pour
+SCRIPT = narrow_bed() + poured(300, regions="region high block 0.001 0.02 0.0007 0.0041 0.025 0.035 units box\n") + """\
 run 1500
 fix rain all insert/rate/region seed 123457 distributiontemplate mix nparticles 100 particlerate 16000 insert_every 50 overlapcheck yes vel constant 0 0 -0.3 region high ntry_mc 1000
 fix gas all twogrid fine 36 2 40 ratio 6 2 4 density 1.2 viscosity 1.8e-5 every 10

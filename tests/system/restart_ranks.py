@@ -18,7 +18,7 @@ import tempfile
 import h5py
 import numpy as np
 
-from harness import MPIRUN, Checks, Run, arguments, data_file, head, head_with_particles, read_thermo, walls
+from harness import MPIRUN, Checks, Run, arguments, data_file, head, head_with_particles, poured, read_thermo, walls
 
 BOX = "0 0.0216 0 0.0048 0 0.036"
 WALLS = walls(xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,))
@@ -27,15 +27,7 @@ OTHERS = (1, 4, 8)
 
 
 def script(fill, run, more, insertion="", background=0.4):
-    return head(BOX, 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=2e-3, gammat=1e-3) + WALLS + f"""
-fix weight all gravity 9.81 vector 0 0 -1
-fix motion all nve/sphere
-fix ball all particletemplate/sphere 15485863 atom_type 1 density constant 2500 radius constant 0.0006
-fix mix all particledistribution/discrete 32452843 1 ball 1.0
-region pour block 0.0007 0.0209 0.0007 0.0041 0.0007 0.03 units box
-fix pour all insert/pack seed 49979687 distributiontemplate mix vel constant 0 0 -0.1 insert_every once overlapcheck yes all_in yes particles_in_region 450 region pour
-run 1
-unfix pour
+    return head(BOX, 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=2e-3, gammat=1e-3) + WALLS + poured(450) + f"""\
 run {fill}
 reset_timestep 0
 {insertion}fix gas all twogrid fine 18 1 20 ratio 3 1 2 density 1.2 viscosity 1.8e-5 every 10

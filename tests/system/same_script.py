@@ -14,20 +14,10 @@ import tempfile
 import h5py
 import numpy as np
 
-from harness import MPIRUN, Checks, Run, arguments, head, long_form, walls
+from harness import MPIRUN, Checks, Run, arguments, long_form, narrow_bed, poured, walls
 
-BOX = "0 0.0216 0 0.0048 0 0.036"
 WALLS = walls(xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,))
-POUR = """
-fix weight all gravity 9.81 vector 0 0 -1
-fix motion all nve/sphere
-fix ball all particletemplate/sphere 15485863 atom_type 1 density constant 2500 radius constant 0.0006
-fix mix all particledistribution/discrete 32452843 1 ball 1.0
-region pour block 0.0007 0.0209 0.0007 0.0041 0.0007 0.03 units box
-fix pour all insert/pack seed 49979687 distributiontemplate mix vel constant 0 0 -0.1 insert_every once overlapcheck yes all_in yes particles_in_region 300 region pour
-variable poured equal count(all)
-run 1
-unfix pour
+POUR = poured(300).replace("run 1\n", "variable poured equal count(all)\nrun 1\n") + """\
 group low region pour
 variable there equal ${poured}
 """
@@ -165,7 +155,7 @@ def main():
     c = Checks("the same script goes on")
     for scene, lines in {**SCENES, "insertion of three kinds, two types, plate, formulation A": INSERTION}.items():
         for n in ranks:
-            script = lines if "create_box" in lines else head(BOX, 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=0.01, gammat=0.005) + WALLS + POUR + lines
+            script = lines if "create_box" in lines else narrow_bed() + POUR + lines
             a = whole(executable, n, script)
             names = checkpoints(a.path)
             c.true(f"{scene}, {n} ranks: {len(names)} checkpoints, all kept", len(names) >= 4)
@@ -181,7 +171,7 @@ def main():
                 c.true(f"fluid and means, every bit of {len(one)} datasets{': but ' + ', '.join(differ) if differ else ''}", not differ and len(one) >= 99)
                 c.true("checkpoints go on", checkpoints(path) == names and os.path.exists(os.path.join(path, "log.liggghts.1")))
                 folder.cleanup()
-    a = whole(executable, n, head(BOX, 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=0.01, gammat=0.005) + WALLS + POUR + GAS + "run 200\n")
+    a = whole(executable, n, narrow_bed() + POUR + GAS + "run 200\n")
     name = checkpoints(a.path)[-1]
     for what, change, options, wanted in (
             ("a line that is done is another", lambda s: s.replace("density 1.2", "density 1.3"), ("-var", "kind", "1", "-restart", "auto"), "another text in the first"),
@@ -193,7 +183,7 @@ def main():
         sentence = next((line for line in b.stdout.splitlines() if line.startswith("ERROR")), "none")
         c.true(f"{what}: code {b.returncode}, {sentence[:170]}", b.returncode == 1 and wanted in sentence)
         folder.cleanup()
-    clock = whole(executable, n, head(BOX, 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=0.01, gammat=0.005) + WALLS + POUR + GAS.replace("every 80 keep 9", "every 0.0005 min folder kept/there keep 3") + "run 600\n")
+    clock = whole(executable, n, narrow_bed() + POUR + GAS.replace("every 80 keep 9", "every 0.0005 min folder kept/there keep 3") + "run 600\n")
     there = sorted(os.listdir(os.path.join(clock.path, "kept", "there")))
     c.true(f"by the clock, in a folder of its own: {', '.join(there)}", 1 <= len(there) <= 3)  # how many depends on the machine; 3 are kept
     folder, path, b = gone_on(executable, n, clock, "the last")

@@ -240,6 +240,19 @@ TEST_F(OutputTest, ARunGoesOnInItsFile) {
   });
 }
 
+// Without it, a checkpoint could be on the disk, and the frames before it not, and no one be told.
+TEST_F(OutputTest, IsBroughtToTheDiskOrTellsOfIt) {
+  Output output(MPI_COMM_WORLD, settings_, fluid_, {});
+  EXPECT_EQ(output.sync(), "") << "nothing is there yet";
+  output.begin(0, 0);
+  EXPECT_EQ(output.sync(), "");
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank_of(MPI_COMM_WORLD) == 0) EXPECT_EQ(std::remove(settings_.output.file.c_str()), 0);
+  const std::string s = output.sync();
+  EXPECT_NE(s.find("No such file"), std::string::npos) << s;
+  MPI_Barrier(MPI_COMM_WORLD);
+}
+
 // Without it, `legs many` could destroy an older leg, or ParaView could show a moment twice; and a file that a machine has
 // left damaged could stop the run for good.
 TEST_F(OutputTest, LegsOfARunAreOneSeries) {
