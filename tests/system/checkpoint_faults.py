@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 from harness import MPIRUN, Checks, Run, arguments, long_form, narrow_bed, poured
 
@@ -126,9 +127,10 @@ def main():
         if long_form():
             tries += [(name, "bit", random.randrange(8 * n)) for name, n in random.choices(list(zip(sorted(os.listdir(last)), lengths)), weights=lengths, k=188)]
         silent, told = [], set()
-        for name, kind, at in tries:
-            folder = os.path.join(work, "hurt")
-            shutil.rmtree(folder, ignore_errors=True)
+
+        def goes_on(of):
+            number, (name, kind, at) = of
+            folder = os.path.join(work, f"hurt{number}")
             shutil.copytree(good, folder)
             path = os.path.join(folder, "kept", kept[-1], name)
             with open(path, "rb") as f:
@@ -140,14 +142,19 @@ def main():
             if kind == "gone":
                 os.remove(path)
             code, out, sentence = run(executable, 1, folder, "kept", "-restart", "auto")
+            shutil.rmtree(folder)
             said = next((line for line in out.splitlines() if "is not used" in line), "nothing said")
-            told.add((name, kind, said[-60:]))
-            if code != 0 or "goes on from the checkpoint kept/" + kept[0] not in out or kept[-1] not in said:
-                silent.append(f"{name} {kind} {at}: code {code}, {said}")
+            return code == 0 and "goes on from the checkpoint kept/" + kept[0] in out and kept[-1] in said, code, said
+
+        with ThreadPoolExecutor(2) as pool:
+            for (name, kind, at), (good_end, code, said) in zip(tries, pool.map(goes_on, enumerate(tries))):
+                told.add((name, kind, said[-60:]))
+                if not good_end:
+                    silent.append(f"{name} {kind} {at}: code {code}, {said}")
         for t in sorted(told)[:8]:
             print("    ", *t)
         c.true(f"{len(tries)} hurt checkpoints ({sum(t[1] == 'cut' for t in tries)} cut, {sum(t[1] == 'bit' for t in tries)} bits flipped): each told and the one before used{': but ' + '; '.join(silent[:3]) if silent else ''}", not silent)
-        shutil.rmtree(folder)
+        folder = os.path.join(work, "none")
         shutil.copytree(good, folder)
         os.remove(os.path.join(folder, "kept", kept[0], "gas.h5"))
         os.remove(os.path.join(folder, "kept", kept[1], "record.txt"))

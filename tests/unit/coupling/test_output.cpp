@@ -247,7 +247,9 @@ TEST_F(OutputTest, IsBroughtToTheDiskOrTellsOfIt) {
   output.begin(0, 0);
   EXPECT_EQ(output.sync(), "");
   MPI_Barrier(MPI_COMM_WORLD);
-  if (rank_of(MPI_COMM_WORLD) == 0) EXPECT_EQ(std::remove(settings_.output.file.c_str()), 0);
+  if (rank_of(MPI_COMM_WORLD) == 0) {
+    EXPECT_EQ(std::remove(settings_.output.file.c_str()), 0);
+  }
   const std::string s = output.sync();
   EXPECT_NE(s.find("No such file"), std::string::npos) << s;
   MPI_Barrier(MPI_COMM_WORLD);
