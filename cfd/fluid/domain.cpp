@@ -4,6 +4,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "cfd/bodies/cut_grid.h"
 #include "cfd/parallel/ranks.h"
 
 namespace twogrid {
@@ -25,7 +26,7 @@ FluidDomain::FluidDomain(MPI_Comm c, const FineGrid& g, const Layout& l, const F
                  with_halo(layout.all_cells(), boundaries.halo())},
                 grid.n(), grid.periodic()),
       settings_(settings) {
-  if (settings_.open_space) make_open_shares();
+  if (settings_.open_space || !settings_.bodies.empty()) make_open_shares();
 }
 
 /// Takes the shares from the settings' model, refuses those that can't be right, and brings them to the halo.
@@ -34,7 +35,10 @@ void FluidDomain::make_open_shares() {
   OpenShares::Held held;
   for (int d = 0; d < 3; ++d) space.alpha[d].reset(faces[d], 1.0);
   space.theta.reset(own, 1.0);
-  settings_.open_space(grid, space);
+  if (settings_.open_space)
+    settings_.open_space(grid, space);
+  else
+    cut_ = std::make_unique<const CutReport>(cut_grid(comm, grid, layout, settings_, space));
   FaceField<FineGrid>&alpha = held.alpha, &theta_f = held.theta_f, &friction = held.friction;
   CellField<FineGrid>& theta = held.theta;
   theta.reset(local, 1.0);

@@ -3,6 +3,9 @@
 
 #include <mpi.h>
 
+#include <memory>
+
+#include "cfd/bodies/cut_grid.h"
 #include "cfd/boundary/boundaries.h"
 #include "cfd/grid/field.h"
 #include "cfd/grid/layout.h"
@@ -36,6 +39,8 @@ struct FluidDomain {
   void extend(CellField<FineGrid>& c) const;
   double volume() const;  ///< of the whole domain, its open part, m3
   double cells() const;   ///< of the whole domain, number
+  /// What is said of the bodies in the grid; null without bodies.
+  const CutReport* cut() const { return cut_.get(); }
   /// True where the side or one of its patches is of the kind.
   bool has(int side, BoundaryKind kind) const;
 
@@ -46,6 +51,7 @@ struct FluidDomain {
   void extend_faces(FaceField<FineGrid>& f) const;
 
   const FluidSettings& settings_;
+  std::unique_ptr<const CutReport> cut_;
 };
 
 inline void reset(FaceField<FineGrid>& f, const Box& box) {

@@ -1,0 +1,42 @@
+// What the walls do to the faces' momentum: links between faces that no wall parts, friction, and the surface itself.
+#pragma once
+
+#include "cfd/bodies/cut_faces.h"
+
+namespace twogrid {
+
+class WallLinks {
+ public:
+  /// alpha, theta: cleaned, on the faces and cells of LocalGrid.
+  WallLinks(const LocalGrid& grid, const Surfaces& surfaces, const CutEdges& edges, const CutFaces& faces,
+            const FaceField<FineGrid>& alpha, const CellField<FineGrid>& theta);
+
+  /// Fills links, pieces, friction and surface.
+  void fill(OpenSpace& space) const;
+  long long slivers() const { return slivers_; }  ///< own ones
+
+ private:
+  enum class Node : unsigned char { kClosed, kFluid, kSliver };
+  static constexpr double kLeast = 0.01;  ///< of a cell's width: nothing is nearer to a wall
+
+  bool is_cut(int d, Int3 face) const;  ///< whether one of the cells beside a face is touched by a surface
+  /// Sum of open areas times outward normals of a cell's faces (m2): minus that of its walls.
+  Vec3 wall_area(const Int3& cell) const;
+  double wall_size(const Int3& cell) const;
+  double aperture(int c, const Int3& face, int d, bool up) const;
+  void link(int c, const Int3& face, int d, bool up, unsigned char& bits, std::vector<WallPiece>& pieces) const;
+  void own_wall(int c, const Int3& face, Node node, std::vector<WallPiece>& pieces) const;
+  void add(std::vector<WallPiece>& pieces, int body, int c, const Int3& face, double conductance,
+           const Vec3& point) const;
+
+  const LocalGrid& grid_;
+  const Surfaces& surfaces_;
+  const CutFaces& faces_;
+  const FaceField<FineGrid>& alpha_;
+  const CellField<FineGrid>& theta_;
+  Array3<unsigned char> cut_;
+  std::array<Array3<Node>, 3> node_;
+  long long slivers_ = 0;
+};
+
+}  // namespace twogrid
