@@ -173,6 +173,8 @@ RankParts read_ranks(MPI_Comm comm, Hdf5File& file) {
     parts.fluid_brick.push_back({int(of_rank[3 * r]), int(of_rank[3 * r + 1]), int(of_rank[3 * r + 2])});
   if (left_out("/ranks/tags")) return parts;
   const Slab part = own_part(particles, rank_of(comm));
+  if (!file.holds("/ranks/tags", part.extent))
+    return file.unfit("/ranks/tags is not there, or has not as many entries as /ranks/particles says"), RankParts{};
   parts.tags.resize(part.count[0]);
   file.read("/ranks/tags", part, parts.tags.data());
   parts.ordered = true;

@@ -194,16 +194,18 @@ void Hdf5File::read(const std::string& path, const Slab& s, int* value) {
   read(path, s, H5T_NATIVE_INT, value);
 }
 
+bool Hdf5File::holds(const std::string& path, const std::vector<std::size_t>& extent) const {
+  hsize_t bytes = 0;
+  return this->extent(path) == extent && H5Fget_filesize(file_, &bytes) >= 0 &&
+         std::all_of(extent.begin(), extent.end(), [&](std::size_t n) { return n <= bytes; }) &&
+         double(product(extent)) <= double(bytes);
+}
+
 std::vector<double> Hdf5File::whole(const std::string& path) {
   Slab s;
   s.extent = s.count = has(path) ? extent(path) : std::vector<std::size_t>{0};
   s.offset.assign(s.extent.size(), 0);
-  // An extent that is a mere promise allocates nothing.
-  hsize_t bytes = 0;
-  const bool fits = H5Fget_filesize(file_, &bytes) >= 0 &&
-                    std::all_of(s.extent.begin(), s.extent.end(), [&](std::size_t n) { return n <= bytes; }) &&
-                    double(product(s.extent)) <= double(bytes);
-  if (!fits) return failed(path + " is larger than its file"), std::vector<double>{};
+  if (has(path) && !holds(path, s.extent)) return failed(path + " is larger than its file"), std::vector<double>{};
   std::vector<double> all(s.extent.empty() ? 0 : product(s.extent));
   if (!all.empty()) read(path, s, all.data());
   return all;

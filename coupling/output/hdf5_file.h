@@ -59,6 +59,9 @@ class Hdf5File {
   /// This rank's part. Local: ranks may read other parts, or none.
   void read(const std::string& path, const Slab& slab, double* value);
   void read(const std::string& path, const Slab& slab, int* value);
+  /// Whether there is a dataset of this extent, and the file large enough for it: else its numbers are mere promises,
+  /// for which nothing is to be allocated. Local.
+  bool holds(const std::string& path, const std::vector<std::size_t>& extent) const;
   /// All of it, as one list; empty where it isn't there. Local.
   std::vector<double> whole(const std::string& path);
   /// Whoever reads finds that it can't be what is wanted. A failure, like those above. Local.

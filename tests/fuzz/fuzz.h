@@ -68,6 +68,7 @@ Verdict try_command_line(Dice& dice);
 Verdict try_run_request(Dice& dice);
 Verdict try_resume_point(Dice& dice);
 Verdict try_checkpoint_folder(Dice& dice);
+Verdict try_checkpoint_promise(Dice&);
 Verdict try_checkpoint_file(Dice& dice);
 
 }  // namespace twogrid_fuzz

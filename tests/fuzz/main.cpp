@@ -1,5 +1,6 @@
 // The fuzzer: scripts' words, the command line, runs, records and checkpoint files, mutated and handed to the functions
-// that read them. Wanted of each: a sentence, or something that makes sense. Own driver: fixed seeds, no library.
+// that read them. Wanted of each: a sentence, or something that makes sense, without memory for what a number of theirs
+// promises. Own driver: fixed seeds, no library.
 //
 //   fuzz [--tries N] [--seed S] [--only PART] [--try K] [--verbose]
 //
@@ -7,6 +8,7 @@
 #include <mpi.h>
 #include <petscsys.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -22,8 +24,16 @@
 namespace twogrid_fuzz {
 namespace {
 
-constexpr unsigned kLimit = 20;  // s a try
+constexpr unsigned kLimit = 20;       // s a try
+constexpr long kMemory = 512 * 1024;  // kB that a try may take beyond what those before took
 std::string now, at;
+
+/// Most memory that the process has had so far (kB).
+long memory() {
+  rusage use = {};
+  getrusage(RUSAGE_SELF, &use);
+  return use.ru_maxrss;
+}
 
 void on_signal(int number) {
   const auto say = [](const char* s, std::size_t n) {
@@ -47,7 +57,8 @@ const Part kParts[] = {{"script", 50, try_script},
                        {"run_request", 10, try_run_request},
                        {"resume_point", 10, try_resume_point},
                        {"checkpoint_folder", 5, try_checkpoint_folder},
-                       {"checkpoint_file", 15, try_checkpoint_file}};
+                       {"checkpoint_file", 15, try_checkpoint_file},
+                       {"checkpoint_promise", 5, try_checkpoint_promise}};
 
 int run(int argc, char** argv) {
   long tries = 2000, single = -1;
@@ -86,8 +97,11 @@ int run(int argc, char** argv) {
       now.clear();
       alarm(kLimit);
       Dice dice(seed * 1000003u + std::uint64_t(k) * 7919u + std::uint64_t(p.name[0]));
-      const Verdict v = p.one(dice);
+      const long before = memory();
+      Verdict v = p.one(dice);
       alarm(0);
+      if (v.defect.empty() && memory() > before + kMemory)
+        v.defect = "takes " + std::to_string((memory() - before) / 1024) + " MB";
       accepted += v.accepted;
       if (verbose) std::printf("%s: %s\n", v.accepted ? "accepted" : "refused", now.substr(0, 2000).c_str());
       if (v.defect.empty()) continue;
