@@ -32,12 +32,15 @@ class FixedPoint {
     unit_ = std::ldexp(1.0, a + b - 62);
     inverse_ = std::ldexp(1.0, 62 - a - b);
   }
-  /// Nearest multiple, a whole number; q must be within the range of the constructor.
-  double whole(double q) const { return (q * inverse_ + kWhole) - kWhole; }
-  /// The same as an integer; 0 for what is not finite: a particle with such a number ends the run, but not before all
-  /// have been looked at.
+  /// Nearest multiple, a whole number. 0 for what is not finite, or far out of the range of the constructor: a particle
+  /// with such a number ends the run, but not before all have been looked at, and sums must not overflow until then.
+  double whole(double q) const {
+    const double w = nearest(q);
+    return std::abs(w) < 0x1p51 ? w : 0.0;
+  }
+  /// The same as an integer.
   long long quantise(double q) const {
-    const double w = whole(q);
+    const double w = nearest(q);
     return std::abs(w) < 0x1p62 ? static_cast<long long>(w) : 0;
   }
   double value(long long m) const { return double(m) * unit_; }
@@ -45,6 +48,8 @@ class FixedPoint {
   double per_unit() const { return inverse_; }
 
  private:
+  double nearest(double q) const { return (q * inverse_ + kWhole) - kWhole; }
+
   double unit_ = 1, inverse_ = 1;
 };
 

@@ -322,7 +322,10 @@ TEST(Reading, WeightsOfWhatIsNotFinite) {
       }
     }
   }
-  for (double x : {double(NAN), HUGE_VAL, -HUGE_VAL, 1e300}) EXPECT_EQ(FixedPoint(1.0, 1.0).quantise(x), 0);
+  for (double x : {double(NAN), HUGE_VAL, -HUGE_VAL, 1e300}) {
+    EXPECT_EQ(FixedPoint(1.0, 1.0).quantise(x), 0);
+    EXPECT_EQ(FixedPoint(1.0, 1.0).whole(x), 0.0);
+  }
 }
 
 // Around a period of one or two nodes a particle may lie further outside than they are wide.
