@@ -21,11 +21,17 @@ fi
 # From a terminal Ctrl-C would reach the launcher itself, which kills: it then runs in a session of its own.
 alone=
 [ ! -t 0 ] || alone=setsid
-pid= asked=
-trap 'asked=1; [ -z "$pid" ] || kill -USR1 "$pid" 2>/dev/null || true' TERM INT USR1
+pid= asked= reminder=
+# mpirun loses a signal that comes before its ranks are there: it is told again until it ends. To twogrid the first one counts.
+remind() { while sleep 1 && kill -USR1 "$pid"; do :; done; }
+tell() {
+  kill -USR1 "$pid" 2>/dev/null || true
+  [ -n "$reminder" ] || { remind </dev/null >/dev/null 2>&1 & reminder=$!; }
+}
+trap 'asked=1; [ -z "$pid" ] || tell' TERM INT USR1
 $alone $launcher "$@" &
 pid=$!
-[ -z "$asked" ] || kill -USR1 "$pid" 2>/dev/null || true
+[ -z "$asked" ] || tell
 code=0
 wait "$pid" || code=$?
 # wait also ends at a signal; then the launcher is still there.
@@ -33,4 +39,5 @@ while kill -0 "$pid" 2>/dev/null; do
   code=0
   wait "$pid" || code=$?
 done
+[ -z "$reminder" ] || kill "$reminder" 2>/dev/null || true
 exit "$code"

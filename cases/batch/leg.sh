@@ -21,6 +21,9 @@ while getopts n:t: option; do
     *) sed -n '2,17s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2 ;;
   esac
 done
+# A signal before the child is there is kept for it.
+child= timer= asked=
+trap 'asked=1; [ -z "$child" ] || kill -USR1 "$child" 2>/dev/null' USR1 TERM INT
 shift $((OPTIND - 1))
 [ $# -ge 2 ] || { sed -n '2,17s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
 folder=$1 script=$2
@@ -35,10 +38,6 @@ state() { sed -n 's/^  "state": "\(.*\)",$/\1/p' status.json 2>/dev/null; }
 
 before=$(newest)
 rm -f status.json
-child= timer=
-# A signal before the child is there is kept for it.
-asked=
-trap 'asked=1; [ -z "$child" ] || kill -USR1 "$child" 2>/dev/null' USR1 TERM INT
 "$cases"/mpirun.sh "$ranks" "$program" -in "$name" -log log.liggghts -restart auto "$@" &
 child=$!
 if [ -n "$seconds" ]; then

@@ -28,7 +28,7 @@ while kill -0 "$child" 2>/dev/null; do
 done
 case $code in
   0) [ -z "$finish" ] || exec "$finish" "$folder" ;;
-  75)
+  75 | 138 | 143)  # the latter: before leg.sh could heed signals
     echo "$folder: goes on in another leg"
     scontrol requeue "$job"  # ends this job here
     exit 75

@@ -4,13 +4,16 @@ the last one, and after SIGKILL it ends in the bits of the run that nobody distu
 
 Without this test a signal could hang one rank in a message that the others no longer send, leave half a checkpoint that is taken for a whole one,
 or end a run with code 0 that is not done; a kill while a frame is written could cost all frames.
-Usage: kills.py EXECUTABLE RANKS... [--long]: 50 moments each in place of 3.
+Usage: kills.py EXECUTABLE RANKS... [--long] [--signal | --SIGKILL]: 50 moments each in place of 3; one kind only.
+Last long run: 2026-11-28, 6c9fd9d, SIGTERM and SIGUSR1: 50 of 50, at the longest 8.2 s from the signal to the end on two busy cores. What comes
+while mpirun starts is lost by it, and told again by cases/mpirun.sh (legs.py).
 """
 import os
 import random
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -129,7 +132,8 @@ def main():
     differ = same(undisturbed, state(early)) if codes[-1] == 0 else ["not at its end"]
     c.true(f"from {kept[0]}, between two couplings: codes {codes}, every bit{': but ' + ', '.join(differ[:4]) if differ else ''}", codes == [0] and not differ)
     worst_wait = 0.0
-    for kind in ("SIGKILL", "signal"):
+    kinds = ("SIGKILL", "signal")
+    for kind in [k for k in kinds if "--" + k in sys.argv] or kinds:
         for i in range(moments):
             folder = os.path.join(work.name, "run")
             shutil.rmtree(folder, ignore_errors=True)

@@ -5,7 +5,7 @@
 
 What would pass falsely without it: a leg ended at whatever step that goes on with other forces than the run that was never ended; a loop that
 goes on after an error, or for ever without getting on; a launcher that nobody asked for; a signal to the script in front that kills the ranks
-before they have written; batch scripts that no shell takes, or that name files that are not there. slurm.py tries them with a Slurm.
+before they have written, or that is lost while it starts them; batch scripts that no shell takes, or that name files that are not there. slurm.py tries them with a Slurm.
 """
 import glob
 import os
@@ -53,7 +53,7 @@ def a_loop(c, executable, n, work):
     splits = sorted({s for s in checkpoint_steps(run) if s < 1600})
     c.true(f"{n} rank(s): the loop ends with {r.returncode}, after legs to {splits}", r.returncode == 0 and len(splits) == 2)
     c.true(f"status: {status(run)['state']}", status(run)["state"] == "finished")
-    same_as_one_run(c, executable, n, run, run + "_whole", splits, 1600)
+    same_as_one_run(c, executable, n, run, run + "_whole", [1600], splits, 200)
 
 
 def stops(c, n, work):
@@ -97,6 +97,19 @@ def launcher(c, work):
     c.true(f"TWOGRID_LAUNCHER starts: {words}", r.returncode == 0 and words == "-n 5 --mpi=pmix program -in in.x")
     codes = [call(os.path.join(TOP, "cases", "mpirun.sh"), 1, "sh", "-c", f"exit {k}", TWOGRID_GRACE="0").returncode for k in (0, 3, 138)]
     c.true(f"codes of the program come through: {codes}", codes == [0, 3, 138])
+
+
+def early_signal(c, work):
+    """While mpirun starts it loses signals: the launcher here ends at the second one."""
+    path = os.path.join(work, "deaf")
+    with open(path, "w") as f:
+        f.write("#!/bin/sh\ntrap : USR1\ntouch $0.ready\nsleep 0.5\ntrap 'exit 138' USR1\nfor i in 1 2 3 4 5 6; do sleep 0.5; done\n")
+    os.chmod(path, 0o755)
+    p = subprocess.Popen([os.path.join(TOP, "cases", "mpirun.sh"), "1", "program"], env={**os.environ, "TWOGRID_LAUNCHER": path})
+    while not os.path.exists(path + ".ready"):
+        time.sleep(0.01)
+    p.send_signal(signal.SIGTERM)
+    c.true(f"a signal that the launcher loses is told again: code {p.wait(timeout=30)}", p.returncode == 138)
 
 
 def scripts(c, executable, work):
@@ -158,6 +171,7 @@ def main():
         stops(c, ranks[-1], work)
         signals(c, ranks[-1], work)
         launcher(c, work)
+        early_signal(c, work)
         scripts(c, os.path.abspath(executable), work)
         tables(c, work)
     c.end()

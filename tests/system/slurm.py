@@ -7,6 +7,7 @@ by itself with the bits of a run that was never ended; cases/batch in the hands 
 What would pass falsely without it: a batch script that Slurm doesn't take; a signal that ends the launcher, or the batch script, before the
 ranks have written their checkpoint; a job that isn't put back into the queue, begins anew each time, is put back for ever after an error, or
 is done with another result.
+Last long run: 2026-11-28, 6c9fd9d: seven legs by a limit of one minute on two busy cores, the same bits; 7 min.
 Needs root, or sudo, and Slurm's packages, which it installs as tests/run.sh does others; where that can't be it ends with 77, skipped.
 """
 import contextlib
@@ -179,7 +180,7 @@ def particles():
     return data_file(BOX, x + np.random.default_rng(3).uniform(-2e-5, 2e-5, x.shape), 1.15e-3, 2500)
 
 
-def script(runs, more=""):
+def script(runs, more="", between=""):
     return head_with_particles(2e-5, boundary="f f f", kn=100, kt=30, gamman=2e-3, gammat=1e-3, processors="* 1 1") + walls(
         xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,)) + f"""
 fix weight all gravity 9.81 vector 0 0 -1
@@ -192,7 +193,7 @@ thermo 50
 thermo_modify flush yes
 dump d all custom 800 all.dump id x y z vx vy vz omegax omegay omegaz
 dump_modify d sort id format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g"
-""" + "".join(f"run {n} upto\n" for n in runs)
+""" + between.join(f"run {n} upto\n" for n in runs)
 
 
 SUBMIT = """#!/bin/bash
@@ -248,14 +249,15 @@ def checkpoint_steps(folder):
     return [int(w.split("_step_")[1].split(",")[0]) for w in words if "_step_" in w]
 
 
-def same_as_one_run(c, executable, ranks, run, whole, splits, steps):
-    """One that was never ended, its run split where the other's checkpoints were: a run's set-up computes forces anew."""
+def same_as_one_run(c, executable, ranks, run, whole, runs, splits, timeout):
+    """One that was never ended, its runs split where the other's checkpoints were: a run's set-up computes forces anew."""
     os.mkdir(whole)
-    for name, text in (("in.bed", script([*splits, steps])), ("particles.data", particles())):
+    steps = runs[-1]
+    for name, text in (("in.bed", script(sorted({*splits, *runs}))), ("particles.data", particles())):
         with open(os.path.join(whole, name), "w") as f:
             f.write(text)
     subprocess.run([os.path.join(TOP, "cases", "mpirun.sh"), str(ranks), executable, "-in", "in.bed"], cwd=whole, stdout=subprocess.DEVNULL,
-                   check=True, timeout=200)
+                   check=True, timeout=timeout)
     (step, mine, frames), (step2, theirs, frames2) = last_state(run), last_state(whole)
     differ = [n for n in theirs if mine.get(n) != theirs[n]]
     c.true(f"the last state, step {step}, of {len(theirs)} columns and fields: bit by bit that of one run" +
@@ -285,10 +287,11 @@ def follow(slurm, c, job, run, end_leg, legs, patience=90):
     raise RuntimeError(f"the job is {slurm.state(job)} after {patience} s")
 
 
-def several_legs(c, slurm, executable, ranks, work, how, steps, time_limit="5", before=10, patience=90):
+def several_legs(c, slurm, executable, ranks, work, how, runs, time_limit="5", before=10, patience=90, between=""):
     case = os.path.join(work, "case" + "_".join(how))
     os.mkdir(case)
-    files = {"in.bed": script([steps]), "particles.data": particles(), "done.sh": "#!/bin/sh\ntouch $1/all_done\n",
+    steps = runs[-1]
+    files = {"in.bed": script(runs, between=between), "particles.data": particles(), "done.sh": "#!/bin/sh\ntouch \"$1/all_done\"\n",
              "submit.slurm": SUBMIT.format(ranks=ranks, time=time_limit, before=before, top=TOP, script="in.bed")}
     for name, text in files.items():
         with open(os.path.join(case, name), "w") as f:
@@ -320,7 +323,7 @@ def several_legs(c, slurm, executable, ranks, work, how, steps, time_limit="5", 
     last = status(run)
     c.true(f"its status: {last['state']}, {last['checkpoint']}", last["state"] == "finished" and last["step"] == steps and
            (not splits or last["checkpoint"]["step"] == splits[-1]))
-    same_as_one_run(c, executable, ranks, run, os.path.join(work, "whole" + "_".join(how)), splits, steps)
+    same_as_one_run(c, executable, ranks, run, os.path.join(work, "whole" + "_".join(how)), runs, splits, max(200, 3 * (time.time() - begin)))
 
 
 def error_is_not_put_back(c, slurm, ranks, work):
@@ -350,7 +353,7 @@ def arrays(c, slurm, work):
     with open(os.path.join(case, "in.bed"), "w") as f:
         f.write("variable x index 0\nunits si\nprint 'this is ${x}' file x.txt\n")
     with open(os.path.join(case, "done.sh"), "w") as f:
-        f.write("#!/bin/sh\ntouch $1/all_done\n")
+        f.write("#!/bin/sh\ntouch \"$1/all_done\"\n")
     os.chmod(os.path.join(case, "done.sh"), 0o755)
     job = slurm.submit(case, "--array=3-4", "submit.slurm")
     slurm.wait(lambda: not slurm.ask("squeue", "-h", "-j", job).strip(), "the end of the array", 40)
@@ -381,9 +384,11 @@ def main():
                     c.true(f"{case}/submit.slurm is taken by sbatch: {said.strip()[:80]}", "to start at" in said)
             arrays(c, slurm, work)
             error_is_not_put_back(c, slurm, n, work)
-            several_legs(c, slurm, os.path.abspath(executable), n, work, ("usr1", "term", "requeue"), 3200)
+            several_legs(c, slurm, os.path.abspath(executable), n, work, ("usr1", "term", "requeue"), [3200])
             if long_form():
-                several_legs(c, slurm, os.path.abspath(executable), n, work, ("limit", "of one minute"), 400000, "1", 20, 1200)
+                # The pauses, two minutes in all, see to several legs on any machine: Slurm signals 20 to 50 s before the limit of a minute.
+                several_legs(c, slurm, os.path.abspath(executable), n, work, ("limit", "of one minute"), list(range(800, 24001, 800)), "1", 20, 1200,
+                             between="shell sleep 4\n")
     c.end()
 
 
