@@ -275,6 +275,23 @@ extern "C" void whose_crash(int number) {
   raise(number);
 }
 
+// Of the address sanitizer; null without it.
+extern "C" {
+__attribute__((weak)) void __sanitizer_set_death_callback(void (*)());
+__attribute__((weak)) void* __asan_get_report_address();
+__attribute__((weak)) std::size_t __asan_get_alloc_stack(void*, void**, std::size_t, int*);
+}
+
+/// The same of a report of the address sanitizer: memory that HDF5 has made for itself.
+void whose_report() {
+  void* frame[4];
+  int thread = 0;
+  const std::size_t n = __asan_get_alloc_stack(__asan_get_report_address(), frame, 4, &thread);
+  Dl_info where = {};
+  for (std::size_t i = 0; i < n && i < 2; ++i)  // the sanitizer's malloc comes first
+    if (dladdr(frame[i], &where) && where.dli_fname && std::strstr(where.dli_fname, "libhdf5")) _exit(kWithinHdf5);
+}
+
 /// f in a process of its own. Empty: it ended by itself with 0.
 std::string apart(const std::function<int()>& f) {
   std::fflush(nullptr);
@@ -285,6 +302,7 @@ std::string apart(const std::function<int()>& f) {
     backtrace(once, 1);  // loads what it needs now
     for (int s : {SIGSEGV, SIGFPE, SIGABRT, SIGBUS}) signal(s, whose_crash);
     signal(SIGALRM, SIG_DFL);
+    if (__sanitizer_set_death_callback) __sanitizer_set_death_callback(whose_report);
     _exit(f());
   }
   int status = 0;
