@@ -39,10 +39,15 @@ constexpr double kComplete = 0.02;
 constexpr double kFollow = 0.2;
 
 /// The particle grid, its nodes' volumes those that are open to the fluid.
-ParticleGrid nodes_of(MPI_Comm comm, const Fluid& fluid, const Int3& ratio) {
+ParticleGrid nodes_of(MPI_Comm comm, const Fluid& fluid, const Int3& ratio, const Int3& search = {1, 1, 1}) {
   ParticleGrid nodes(fluid.grid(), ratio);
-  nodes.take_open_part(fluid.open_shares(), fluid.grid(), node_layout(fluid.layout(), nodes).cells(rank_of(comm)));
+  nodes.take_open_part(comm, fluid, search);
   return nodes;
+}
+/// What particles read: fine cells as nodes, where that is so. An open cell is as far away as the next node's other end.
+ParticleGrid read_nodes(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& nodes, Read read) {
+  const Int3& r = nodes.ratio;
+  return reads_fine_cells(read) ? nodes_of(comm, fluid, {1, 1, 1}, {2 * r[0], 2 * r[1], 2 * r[2]}) : nodes;
 }
 
 const DragLaw& drag_law_of(const Settings& s) {
@@ -61,6 +66,8 @@ class Coupling::Impl {
   void advance(Particles& p, int steps, double dem_dt, bool check);
   void force(Particles& p, double dem_dt, bool accumulate);
   void move_region(const ParticleRegion& region);
+  const OpenNodes* open_nodes() const { return nodes_.open_nodes(); }
+  long long in_closed_cells(const Particles& p) const;
   void restored() { void_fraction_.restored(), report_.take(state_, fluid_.time()); }
 
   CouplingState state_;
@@ -123,11 +130,10 @@ Coupling::Impl::Impl(MPI_Comm comm, const Settings& settings, Fluid& fluid, cons
       region_(region),
       nodes_(nodes_of(comm, fluid, settings.ratio)),
       void_fraction_(state_, comm, settings, fluid, nodes_, region),
-      reader_(comm, fluid, reads_fine_cells(settings.read) ? ParticleGrid(fluid.grid(), {1, 1, 1}) : nodes_, region,
-              settings.read, read_width(settings)),
+      reader_(comm, fluid, read_nodes(comm, fluid, nodes_, settings.read), region, settings.read, read_width(settings)),
       read_length_(read_width(settings) > 0 ? read_width(settings) : reader_.map().grid().smallest_width()),
       cell_width_(nodes_.smallest_width()),
-      selection_(comm, nodes_, reader_.window(), region),
+      selection_(comm, nodes_, node_layout(fluid.layout(), nodes_), reader_.window(), region),
       exchange_(comm, fluid, reader_, read_length_) {
   if (formulation_A()) {
     undisturbed_.emplace(comm_, fluid_, state_.undisturbed);
@@ -386,6 +392,19 @@ void Coupling::Impl::go_on(Particles& p) {
   void_fraction_.go_on(p, selection_);
 }
 
+long long Coupling::Impl::in_closed_cells(const Particles& p) const {
+  const OpenShares* const open = fluid_.open_shares();
+  if (!open) return 0;
+  const ParticleGrid cells(fluid_.grid(), {1, 1, 1});
+  const Window window(comm_, cells, fluid_.layout(), region_, Spread::kCell, 0.0);
+  Array3<double> theta(window.box());
+  window.bring<double>({&open->theta()}, {&theta});
+  long long mine = 0, all = 0;
+  for (int i : selection_.inside()) mine += theta.data()[window.node(p.x[i])] == 0;
+  MPI_Allreduce(&mine, &all, 1, MPI_LONG_LONG, MPI_SUM, comm_);
+  return all;
+}
+
 void Coupling::Impl::force(Particles& p, double dem_dt, bool accumulate) {
   Stopwatch watch(shares_.force);
   if (state_.holding) motion().update(p, state_.deposit.eps);
@@ -436,6 +455,12 @@ Report& Coupling::report_to_restore() {
 }
 CouplingState& Coupling::state() {
   return impl_->state_;
+}
+const OpenNodes* Coupling::open_nodes() const {
+  return impl_->open_nodes();
+}
+long long Coupling::in_closed_cells(const Particles& p) const {
+  return impl_->in_closed_cells(p);
 }
 const Report& Coupling::report() const {
   return impl_->report_;

@@ -30,6 +30,7 @@ namespace twogrid {
 
 class ExchangeModel;
 class Fluid;
+class OpenNodes;
 struct CouplingState;
 
 /// CPU seconds of this rank by part.
@@ -82,6 +83,10 @@ class Coupling {
   /// state() holds what another coupling left between two runs: the report tells of it, and start() goes on from it.
   void restored();
   const Report& report() const;
+  /// Where bodies stand: what they make of the particle grid; null: there are none.
+  const OpenNodes* open_nodes() const;
+  /// Particles whose centre lies in a closed cell of the fluid, of all ranks. Collective.
+  long long in_closed_cells(const Particles& p) const;
   const Shares& shares() const;
   Fluid& fluid();
 

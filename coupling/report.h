@@ -32,9 +32,12 @@ struct Report {
   double grown_total = 0;      ///< volume by which particles have become larger, or (negative) smaller, so far (m3)
   double travel = 0;           ///< largest way of a particle in an interval, at its speed now, in particle cells
   double volume_unplaced = 0;  ///< above the eps bound, with no room anywhere (m3)
-  double step_error = 0;       ///< of the last check: Fluid::advance_and_check
-  double coupling_error = 0;   ///< of the last check: half the change of the fluid's forces on the particles at the
-                               ///< coupling, root mean square over that of the forces themselves
+  /// Where bodies stand: particles whose centre lies in a closed particle cell, with the fluid of the nearest open one;
+  /// and those that lie deeper in a body, as if outside the fluid.
+  long long in_walls = 0, behind_walls = 0;
+  double step_error = 0;      ///< of the last check: Fluid::advance_and_check
+  double coupling_error = 0;  ///< of the last check: half the change of the fluid's forces on the particles at the
+                              ///< coupling, root mean square over that of the forces themselves
 
   /// What a coupling has left in the state. volume_vanished since the last one (m3).
   void take(const CouplingState& state, const Census& census, const Ledger::Balance& balance, double vanished);

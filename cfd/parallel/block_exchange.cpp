@@ -267,8 +267,13 @@ void BlockExchange::bring(const std::vector<Array3<T>*>& field) const {
 TWOGRID_INSTANTIATE(double)
 TWOGRID_INSTANTIATE(long long)
 #undef TWOGRID_INSTANTIATE
-template void BlockExchange::bring<FourNumbers>(const std::vector<Slot<FourNumbers>>&,
-                                                const std::vector<Slot<FourNumbers>>&) const;
+#define TWOGRID_INSTANTIATE(T) \
+  template void BlockExchange::bring<T>(const std::vector<Slot<T>>&, const std::vector<Slot<T>>&) const;
+TWOGRID_INSTANTIATE(double)
+TWOGRID_INSTANTIATE(long long)
+TWOGRID_INSTANTIATE(FourNumbers)
+TWOGRID_INSTANTIATE(FourWholeNumbers)
+#undef TWOGRID_INSTANTIATE
 template void BlockExchange::add<FourWholeNumbers>(const std::vector<Slot<FourWholeNumbers>>&,
                                                    const std::vector<Slot<FourWholeNumbers>>&) const;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cfd/parallel/ranks.h"
+#include "coupling/two_grid/open_nodes.h"
 
 namespace twogrid {
 
@@ -31,6 +32,8 @@ MeanMotion::MeanMotion(MeanMotionState& state, MPI_Comm comm, const ParticleGrid
 void MeanMotion::move_region(const ParticleRegion& region) {
   window_ = Window(comm_, grid_, nodes_, region, spread_, 0.0);
   shape_ = window_.shape();
+  const bool cell = spread_ == Spread::kCell;
+  way_ = window_.cut() ? (cell ? Way::kOpenNode : Way::kSeen) : cell ? Way::kNode : Way::kCorners;
 }
 
 void MeanMotion::clear(int sums) {
@@ -45,6 +48,8 @@ void MeanMotion::collect(int sums) {
     node.push_back({own_, node_sum_[s].data(), 1});
   }
   window_.add(window, node);
+  if (const OpenNodes* families = grid_.open_nodes())
+    for (const auto& sum : node) families->total(sum);
 }
 
 void MeanMotion::bring(int groups) {
@@ -78,7 +83,7 @@ void MeanMotion::average_diameters(const Particles& p, const std::vector<int>& w
 }
 
 double MeanMotion::diameter(const double x[3]) const {
-  Four out;
+  Four out{};
   at(x, [&](const auto& place) { gather<1>(place, shape_, shown_.data(), &out); });
   return out[0];
 }
@@ -139,7 +144,7 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
       state_.v_flux[d](i, j, k) = momentum_unit_.value(node_sum_[kFlux][n].at[d]) * inverse;
     }
     if (!drag) return;
-    const double volume = grid_.volume(i, j, k), scale = volume > 0 ? 1 / (e * volume) : 0.0;
+    const double volume = grid_.shown_volume(i, j, k), scale = volume > 0 ? 1 / (e * volume) : 0.0;
     FourNumbers& shown = own_shown(i, j, k, 0, 2);
     for (int d = 0; d < 3; ++d) shown.at[d] = force_unit.value(node_sum_[kDrag][n].at[d]) * scale;
     state_.beta(i, j, k) = shown.at[3] = b_unit.value(node_sum_[kDrag][n].at[3]) * scale;
@@ -149,7 +154,7 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
 }
 
 void MeanMotion::drag_at(const double x[3], double& beta, Vec3& d) const {
-  Four out[2];
+  Four out[2] = {};
   at(x,
      [&](const auto& place) { gather<2>(weights_like_home(place, shape_, shown_.data() + 1, 2), shown_.data(), out); });
   beta = out[0][3];

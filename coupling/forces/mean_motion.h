@@ -65,10 +65,20 @@ class MeanMotion {
   /// f(place): of a particle at x.
   template <class F>
   void at(const double x[3], F f) const {
-    if (window_.spread() == Spread::kCell)
-      f(window_.node(x));
-    else
-      f(window_.corners(x));
+    switch (way_) {
+      case Way::kNode:
+        f(window_.node(x));
+        break;
+      case Way::kCorners:
+        f(window_.corners(x));
+        break;
+      case Way::kOpenNode:
+        f(window_.open_node(x));
+        break;
+      case Way::kSeen:
+        window_.see(x, seen_);
+        f(seen_);
+    }
   }
   void clear(int sums);
   void sum_motion(const Particles& p, const std::vector<int>* who);
@@ -92,6 +102,8 @@ class MeanMotion {
   Spread spread_;
   Window window_;
   WindowShape shape_;
+  enum class Way { kNode, kCorners, kOpenNode, kSeen } way_ = Way::kNode;  // the last two where bodies stand
+  mutable SeenNodes seen_;                                                 // scratch
   std::array<bool, 3> free_flux_;
   double domain_volume_;
   FixedPoint mass_unit_, momentum_unit_;

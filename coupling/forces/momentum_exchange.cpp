@@ -29,12 +29,10 @@ void MomentumExchange::react(const Particles& p, const Selection& selection, con
   const double force = scale[0].per_unit(), coefficient = scale[1].per_unit();
   reader_.clear_reaction();
   add_reactions(reader_, p, selection.inside(), places, drag, Four{force, force, force, coefficient});
-  Stencil w;
   for (int i : selection.leaving()) {
     Four q{0, 0, 0, 0};
     for (int d = 0; d < 3; ++d) q[d] = scale[0].whole(-p.step[i][kImpulse + d] / interval);
-    reader_.window().weights(p.x[i], w);
-    reader_.react(w, q);
+    reader_.react_at(p.x[i], q);
   }
   Vec3 held_back;
   reader_.collect(scale, source_, beta_, held_back);

@@ -44,7 +44,8 @@ void UndisturbedForce::update(const Fluid& fluid, const CellField<FineGrid>& eps
           if (state(i, j, k) == FaceState::kFixed) continue;
           Int3 c{i, j, k}, under = c;
           --under[d];
-          const double h0 = a.width(under[d]), h1 = a.width(c[d]);
+          double h0 = a.width(under[d]), h1 = a.width(c[d]);
+          if (open) h0 *= open->theta()(under[0], under[1], under[2]), h1 *= open->theta()(i, j, k);
           const double e = (h0 * eps(under[0], under[1], under[2]) + h1 * eps(i, j, k)) / (h0 + h1);
           // The exchange is that of the face's whole volume.
           const double whole = open ? 1 / open->theta_f()[d](i, j, k) : 1.0;

@@ -38,8 +38,9 @@ TWOGRID_VECTORISED void sort_out(const Particles& p, const Vec3& surely_lo, cons
 
 }  // namespace
 
-Selection::Selection(MPI_Comm comm, const ParticleGrid& grid, const Window& window, const ParticleRegion& region)
-    : comm_(comm), grid_(grid), window_(window), region_(region) {
+Selection::Selection(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const Window& window,
+                     const ParticleRegion& region)
+    : comm_(comm), grid_(grid), nodes_(nodes), window_(window), region_(region) {
   find_bounds();
 }
 
@@ -51,6 +52,7 @@ void Selection::move_region(const ParticleRegion& region) {
 /// A particle a little beyond the box is still there, until it is exchanged. Where the box goes on beyond the fluid's
 /// domain, such a particle has no place in it.
 void Selection::find_bounds() {
+  if (grid_.open_nodes()) open_ = Window(comm_, grid_, nodes_, region_, Spread::kCell, 0.0);
   double reaches[6], box[6];  // upwards
   for (int d = 0; d < 3; ++d) reaches[2 * d] = -region_.lo[d], reaches[2 * d + 1] = region_.hi[d];
   MPI_Allreduce(reaches, box, 6, MPI_DOUBLE, MPI_MAX, comm_);
@@ -79,6 +81,29 @@ void Selection::find(const Particles& p) {
       set_outside(p, i);
     }
   if (inside_.size() > sure) std::inplace_merge(inside_.begin(), inside_.begin() + sure, inside_.end());
+  if (open_.cut()) look_for_walls(p);
+}
+
+/// Takes those out of inside_ that lie deep in a body.
+void Selection::look_for_walls(const Particles& p) {
+  in_walls_ = behind_walls_ = 0;
+  std::size_t n = 0;
+  for (int i : inside_) {
+    inside_[n++] = i;
+    const double* const x = p.x[i];
+    if (open_.is_open(open_.node(x))) continue;
+    if (!std::isfinite(x[0] + x[1] + x[2]) || open_.is_open(open_.open_node(x))) {
+      ++in_walls_;
+      continue;
+    }
+    ++behind_walls_;
+    --n;
+    if (p.step[i][kDragCoefficient] > 0)
+      leaving_.push_back(i);
+    else
+      set_outside(p, i);
+  }
+  inside_.resize(n);
 }
 
 void Selection::find_new(const Particles& p, bool any) {

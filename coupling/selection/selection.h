@@ -14,8 +14,10 @@ namespace twogrid {
 
 class Selection {
  public:
-  /// window: where a particle of this rank may be; it must live as long. Collective.
-  Selection(MPI_Comm comm, const ParticleGrid& grid, const Window& window, const ParticleRegion& region);
+  /// window: where a particle of this rank may be; it must live as long. grid: where bodies stand, a particle is in the
+  /// fluid if the node that holds its centre is open, or one beside it. Collective.
+  Selection(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const Window& window,
+            const ParticleRegion& region);
 
   /// After the window's. Collective.
   void move_region(const ParticleRegion& region);
@@ -27,6 +29,9 @@ class Selection {
   const std::vector<int>& inside() const { return inside_; }
   const std::vector<int>& leaving() const { return leaving_; }
   const std::vector<int>& new_ones() const { return new_; }
+  /// Among inside() and among those that are not: centres in closed nodes. Of this rank.
+  long long in_walls() const { return in_walls_; }
+  long long behind_walls() const { return behind_walls_; }
   const Window& window() const { return window_; }
   double reach() const { return region_.reach; }
   /// All particles of this rank that are inside are where they may be.
@@ -39,9 +44,12 @@ class Selection {
 
  private:
   void find_bounds();
+  void look_for_walls(const Particles& p);
 
   MPI_Comm comm_;
   ParticleGrid grid_;
+  Layout nodes_;
+  Window open_;  // one node a particle; only where bodies stand
   const Window& window_;
   ParticleRegion region_;
   Vec3 inside_lo_, inside_hi_;  // between these a particle counts as inside, a little beyond the sides too (m)
@@ -49,6 +57,7 @@ class Selection {
   std::vector<int> inside_, leaving_, new_;
   std::vector<int> others_;  // scratch of find()
   bool covered_ = true;
+  long long in_walls_ = 0, behind_walls_ = 0;
 };
 
 }  // namespace twogrid

@@ -9,6 +9,7 @@
 #include <array>
 
 #include "cfd/grid/field.h"
+#include "cfd/measures/open_shares.h"
 #include "cfd/parallel/block_exchange.h"
 #include "cfd/parallel/vectorised.h"
 #include "coupling/two_grid/fixed_point.h"
@@ -24,10 +25,11 @@ class CellMap {
       : fine_(fine), grid_(grid), own_(own), open_(open) {}
 
   using Cells = std::array<const CellField<FineGrid>*, 4>;
-  /// Sets component q of own nodes to the mean of cells[q], where that is not null. weight: w above zero; null: 1. Local.
+  /// Sets component q of own nodes to the mean of cells[q], where that is not null. weight: w above zero; null: 1. Local;
+  /// collective where bodies stand: families of nodes (open_nodes.h) are one node.
   void mean(const Cells& cells, const CellField<FineGrid>* weight, const Slot<FourNumbers>& node) const;
   /// node: sums over own nodes, in units of scale[0] (components 0-2) and scale[1] (component 3). cells[q]: set to s of
-  /// component q in own fine cells, where not null; per m3. Local.
+  /// component q in own fine cells, where not null; per m3. Local, or collective as mean().
   void spread(const Slot<FourWholeNumbers>& node, const std::array<FixedPoint, 2>& scale,
               const CellField<FineGrid>* weight, const std::array<CellField<FineGrid>*, 4>& cells) const;
 
@@ -41,6 +43,7 @@ class CellMap {
     return open_ ? w * open_->theta()(i, j, k) : w;
   }
   double weight_of(int I, int J, int K, const CellField<FineGrid>* weight) const;
+  Array3<double> inverse_weights(const CellField<FineGrid>* weight) const;
 
   FineGrid fine_;
   ParticleGrid grid_;

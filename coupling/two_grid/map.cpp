@@ -5,6 +5,7 @@
 
 #include "cfd/parallel/ranks.h"
 #include "cfd/parallel/vectorised.h"
+#include "coupling/two_grid/open_nodes.h"
 
 namespace twogrid {
 
@@ -61,12 +62,16 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
       of_own_nodes.hi[e] = own_.hi[e] * grid_.ratio[e] + (e == d);
     }
     open_[d] = OpenFaces(state, of_own_nodes);
-    if (!shares_) continue;
+  }
+  for (int d = 0; shares_ && d < 3; ++d) {
     holds_back_[d] = false;
+    CellField<ParticleGrid>& sum = inverse_[d];
+    for_each(own_,
+             [&](int I, int J, int K) { sum(I, J, K) = open_sum(d, I, J, K, [](int, int, int) { return 1.0; }); });
+    if (const OpenNodes* families = grid_.open_nodes()) families->total(slot_of<double>(sum));
     for_each(own_, [&](int I, int J, int K) {
-      const double sum = open_sum(d, I, J, K, [](int, int, int) { return 1.0; });
-      inverse_[d](I, J, K) = sum > 0 ? 1 / sum : 0.0;
-      if (!(sum > 0)) holds_back_[d] = true;
+      if (!(sum(I, J, K) > 0)) holds_back_[d] = true;
+      sum(I, J, K) = sum(I, J, K) > 0 ? 1 / sum(I, J, K) : 0.0;
     });
   }
   with_below_ = below[rank];
@@ -97,9 +102,11 @@ double Map::open_sum(int d, int I, int J, int K, Value value) const {
 void Map::mean_of_open(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
                        const CellField<FineGrid>* eps) const {
   const CellField<FineGrid>& theta = shares_->theta();
+  sums_.assign(own_.count(), FourNumbers{});
+  const Slot<FourNumbers> sums{own_, sums_.data(), 1};
   for (int d = 0; d < 3; ++d)
     for_each(own_, [&](int I, int J, int K) {
-      const double sum = open_sum(d, I, J, K, [&](int i, int j, int k) {
+      sums_[sums.index(I, J, K)].at[d] = open_sum(d, I, J, K, [&](int i, int j, int k) {
         if (!eps) return face[d](i, j, k);
         // eps_f of the open space: theta eps over theta_f.
         Int3 below{i, j, k};
@@ -108,8 +115,12 @@ void Map::mean_of_open(const FaceField<FineGrid>& face, const Slot<FourNumbers>&
         const double high = share * theta(i, j, k), low = (1 - share) * theta(below[0], below[1], below[2]);
         return face[d](i, j, k) * (high * (*eps)(i, j, k) + low * (*eps)(below[0], below[1], below[2])) / (high + low);
       });
-      node.data[node.stride * node.index(I, J, K)].at[d] = sum * inverse_[d](I, J, K);
     });
+  if (const OpenNodes* families = grid_.open_nodes()) families->total(sums);
+  for_each(own_, [&](int I, int J, int K) {
+    for (int d = 0; d < 3; ++d)
+      node.data[node.stride * node.index(I, J, K)].at[d] = sums_[sums.index(I, J, K)].at[d] * inverse_[d](I, J, K);
+  });
 }
 
 double Map::integral(int d, int j, int k, const double* density) const {
@@ -171,11 +182,11 @@ inline void sum_blocks(int nodes, int r, std::ptrdiff_t all_nodes, const double*
 
 TWOGRID_VECTORISED void Map::mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
                                   const CellField<FineGrid>* eps) const {
-  if (own_.empty()) return;
   if (shares_) {
     mean_of_open(face, node, eps);
     return;
   }
+  if (own_.empty()) return;
   const int nodes = own_.size(0), r = grid_.ratio[0], first = own_.lo[0] * r;
   const std::ptrdiff_t stride = 4 * node.stride;
   double* const sum = row_.data();
@@ -247,6 +258,15 @@ Vec3 Map::spread(const Slot<FourWholeNumbers>& node, const std::array<FixedPoint
   }
   const double f = scale[0].unit(), g = scale[1].unit();
   const Four unit{f, f, f, g};
+  std::vector<FourWholeNumbers> totals;
+  Slot<FourWholeNumbers> total = node;
+  if (const OpenNodes* families = grid_.open_nodes()) {
+    totals.resize(own_.count());
+    total = {own_, totals.data(), 1};
+    for_each(own_,
+             [&](int i, int j, int k) { totals[total.index(i, j, k)] = node.data[node.stride * node.index(i, j, k)]; });
+    families->total(total);
+  }
   const int slabs = own_.empty() ? 0 : own_.size(2);
   for (int K = own_.lo[2]; K < own_.lo[2] + slabs; ++K)
     for (int J = own_.lo[1]; J < own_.hi[1]; ++J) {
@@ -258,7 +278,8 @@ Vec3 Map::spread(const Slot<FourWholeNumbers>& node, const std::array<FixedPoint
         to[0][d] = &source.share_[d](own_.lo[0], J, K);
         to[1][d] = &beta.share_[d](own_.lo[0], J, K);
       }
-      share_out(own_.size(0), row, node.stride, unit, inverse, to[0], to[1]);
+      const FourWholeNumbers* const shared = total.data + total.stride * total.index(own_.lo[0], J, K);
+      share_out(own_.size(0), shared, total.stride, unit, inverse, to[0], to[1]);
       for (int d = 0; d < 3; ++d)
         if (holds_back_[d])
           for (int I = 0; I < own_.size(0); ++I)

@@ -9,6 +9,7 @@
 // With open shares (cfd/measures/open_shares.h) each half of W_nf is weighed by theta of the cell it lies in, and closed
 // faces weigh zero; V_f stays the whole volume, so that s_f comes with the factor theta_f that the momentum balance wants.
 // So sum_f V_f s_f u_f = sum_n q_n u_n for any q and u, and sum_f V_f s_f = sum_n q_n but for nodes with W_n = 0.
+// Families of nodes (open_nodes.h) are one node: their sums of W_nf u_f, W_nf and q_n are shared by all members.
 #pragma once
 
 #include <mpi.h>
@@ -52,7 +53,7 @@ class Map {
 
   /// `face` covers own faces and a halo of one, filled; node: own nodes, of whose groups components 0-2 are set. eps:
   /// of fine cells and a halo of one: then the mean is that of eps_f times the face's value, eps_f by volume as the
-  /// fluid has it.
+  /// fluid has it. Collective where bodies stand.
   void mean(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
             const CellField<FineGrid>* eps = nullptr) const;
   /// node: own nodes' sums over the node, in units of scale[0] (components 0-2, N) and scale[1] (component 3, kg/s);
@@ -80,10 +81,11 @@ class Map {
   std::array<std::vector<double>, 3> above_share_;  // of the cell above a face in the mean of eps on it
   std::array<std::vector<int>, 3> block_;           // node of fine cell i; of the last face: one beyond the last
   std::array<std::vector<double>, 3> half_;         // [d][m n + N]: width inside block N of its face m = 0 ... r
-  NodeVector<CellField<ParticleGrid>> inverse_;     // 1 / W_n, own nodes
+  NodeVector<CellField<ParticleGrid>> inverse_;     // 1 / W_n, own nodes; of families the sum's
   std::array<bool, 3> holds_back_;                  // some W_n is zero
   std::array<OpenFaces, 3> open_;                   // all faces of own nodes
   mutable std::vector<double> row_, flux_;          // scratch of mean()
+  mutable std::vector<FourNumbers> sums_;           // the same, where bodies stand
   Box with_below_;
   BlockExchange below_;
 

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "coupling/two_grid/open_nodes.h"
+
 namespace twogrid {
 
 ParticleGrid::ParticleGrid(const FineGrid& fine, const Int3& r) : ratio(r) {
@@ -20,27 +22,20 @@ ParticleGrid::ParticleGrid(const FineGrid& fine, const Int3& r) : ratio(r) {
   }
 }
 
-void ParticleGrid::take_open_part(const OpenShares* open, const FineGrid& fine, const Box& own) {
-  open_ = nullptr;
-  if (!open) return;
-  auto volumes = std::make_shared<Array3<double>>(own);
-  for_each(own, [&](int I, int J, int K) {
-    bool whole = true;
-    double sum = 0;
-    for_each(block(I, J, K), [&](int i, int j, int k) {
-      const double theta = open->theta()(i, j, k);
-      whole = whole && theta == 1;
-      sum += theta * fine.volume(i, j, k);
-    });
-    (*volumes)(I, J, K) = whole ? Grid::volume(I, J, K) : sum;
-  });
-  open_ = volumes;
+void ParticleGrid::take_open_part(MPI_Comm comm, const Fluid& fluid, const Int3& search) {
+  if (!fluid.open_shares()) return;
+  open_ = std::make_shared<OpenNodes>(comm, fluid, *this, search);
+  volume_ = &open_->volumes();
+}
+
+double ParticleGrid::shown_volume(int i, int j, int k) const {
+  return open_ ? open_->family_volume(i, j, k) : Grid::volume(i, j, k);
 }
 
 double ParticleGrid::domain_volume(MPI_Comm comm) const {
   if (!open_) return axis[0].length() * axis[1].length() * axis[2].length();
   double sum = 0;
-  for_each(open_->box(), [&](int i, int j, int k) { sum += (*open_)(i, j, k); });
+  for_each(volume_->box(), [&](int i, int j, int k) { sum += (*volume_)(i, j, k); });
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm);
   return sum;
 }

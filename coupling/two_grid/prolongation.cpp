@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cfd/parallel/ranks.h"
+#include "coupling/two_grid/open_nodes.h"
 
 namespace twogrid {
 
@@ -33,23 +34,31 @@ void Prolongation::operator()(CellField<ParticleGrid>& node, CellField<FineGrid>
   }
   node_halo_.bring<double>(node);
   const Int3 n = grid_.n();
+  const OpenNodes* const open = grid_.open_nodes();
   for_each(own_nodes_, [&](int I, int J, int K) {
     const Int3 c{I, J, K};
+    const auto middle = [&](int d, const Int3& at) {
+      const double x = grid_.axis[d].centre(at[d]);
+      return open ? x + open->off_centre(d, at[0], at[1], at[2]) : x;
+    };
+    const bool one_value = open && open->in_family(I, J, K);
+    Vec3 x{0, 0, 0};
     const double e = node(I, J, K);
     const Box block = grid_.block(I, J, K);
     Vec3 slope{0, 0, 0};
     double deviation = 0;  // largest of the profile
     for (int d = 0; d < 3; ++d) {
       const Axis& a = grid_.axis[d];
-      if (grid_.ratio[d] == 1 || grid_.cut(I, J, K) || (!a.periodic() && (c[d] == 0 || c[d] == n[d] - 1))) continue;
+      x[d] = middle(d, c);
+      if (grid_.ratio[d] == 1 || one_value || (!a.periodic() && (c[d] == 0 || c[d] == n[d] - 1))) continue;
+      if (open && !(open->sees(I, J, K, d, -1) && open->sees(I, J, K, d, 1))) continue;
       Int3 lo = c, hi = c;
       --lo[d], ++hi[d];
-      const double below = (e - node(lo[0], lo[1], lo[2])) / (a.centre(c[d]) - a.centre(c[d] - 1));
-      const double above = (node(hi[0], hi[1], hi[2]) - e) / (a.centre(c[d] + 1) - a.centre(c[d]));
+      const double below = (e - node(lo[0], lo[1], lo[2])) / (x[d] - middle(d, lo));
+      const double above = (node(hi[0], hi[1], hi[2]) - e) / (middle(d, hi) - x[d]);
       if (below * above > 0) slope[d] = std::abs(below) < std::abs(above) ? below : above;
       const Axis& f = fine_.axis[d];
-      deviation += std::abs(slope[d]) *
-                   std::max(a.centre(c[d]) - f.centre(block.lo[d]), f.centre(block.hi[d] - 1) - a.centre(c[d]));
+      deviation += std::abs(slope[d]) * std::max(x[d] - f.centre(block.lo[d]), f.centre(block.hi[d] - 1) - x[d]);
     }
     if (deviation > 0) {
       const double room = std::max(0.0, std::min(1 - e, e - eps_min_));
@@ -58,9 +67,8 @@ void Prolongation::operator()(CellField<ParticleGrid>& node, CellField<FineGrid>
     }
     for_each(block, [&](int i, int j, int k) {
       const Axis* f = fine_.axis.data();
-      fine(i, j, k) = e + slope[0] * (f[0].centre(i) - grid_.axis[0].centre(I)) +
-                      slope[1] * (f[1].centre(j) - grid_.axis[1].centre(J)) +
-                      slope[2] * (f[2].centre(k) - grid_.axis[2].centre(K));
+      fine(i, j, k) = e + slope[0] * (f[0].centre(i) - x[0]) + slope[1] * (f[1].centre(j) - x[1]) +
+                      slope[2] * (f[2].centre(k) - x[2]);
     });
   });
   fill_halo(fine);

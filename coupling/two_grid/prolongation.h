@@ -19,8 +19,9 @@ class Prolongation {
   /// node covers own nodes and a halo of one (filled here when needed); fine covers own cells and a halo of two, filled
   /// here: owners' values, and beyond sides that are not periodic copies of the cell at the side. Collective.
   /// Linear: e_n + sum_d g_d (x - x_n), g_d the smaller of the two one-sided slopes (zero where they differ in sign),
-  /// scaled back so that eps_min <= eps <= 1. The block's mean stays e_n: no volume is gained or lost. Constant in blocks
-  /// that a body cuts.
+  /// scaled back so that eps_min <= eps <= 1. The block's mean stays e_n: no volume is gained or lost. Where bodies stand,
+  /// x_n is the centre of the open part, there is no slope towards a node behind a wall, and families of nodes
+  /// (open_nodes.h) are constant.
   void operator()(CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;
   /// The same, constant in each block.
   void constant(const CellField<ParticleGrid>& node, CellField<FineGrid>& fine) const;

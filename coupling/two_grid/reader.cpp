@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "coupling/two_grid/open_nodes.h"
+
 namespace twogrid {
 
 bool reads_fine_cells(Read read) {
@@ -54,12 +56,12 @@ namespace {
 
 /// Component 3 of own nodes' groups, and what it says of the others: without faces components 0-2 are zero; flux: they
 /// are divided by it.
-void set_value(const ReadGroup& group, const Box& own, const Slot<FourNumbers>& to) {
+void set_value(const ReadGroup& group, const Array3<double>* value, const Box& own, const Slot<FourNumbers>& to) {
   if (own.empty()) return;
   for (int k = own.lo[2]; k < own.hi[2]; ++k)
     for (int j = own.lo[1]; j < own.hi[1]; ++j) {
       FourNumbers* node = to.data + to.stride * to.index(own.lo[0], j, k);
-      const double* const row = group.value ? group.value->data() + group.value->index(own.lo[0], j, k) : nullptr;
+      const double* const row = value ? value->data() + value->index(own.lo[0], j, k) : nullptr;
       for (int i = 0; i < own.size(0); ++i, node += to.stride) {
         if (!group.faces) node->at[0] = node->at[1] = node->at[2] = 0;
         if (group.eps) {
@@ -80,14 +82,34 @@ void Reader::load(const std::vector<ReadGroup>& groups) {
   field_.resize(values);
   own_field_.resize(around_ ? 0 : map_.own().count() * n);
   std::vector<Slot<FourNumbers>> own, window;
+  const OpenNodes* const families = reads_fine_cells(read_) ? map_.grid().open_nodes() : nullptr;
   for (int g = 0; g < n; ++g) {
     own.push_back(own_field(g, n));
     window.push_back({window_.box(), field_.data() + g, n});
     if (groups[g].faces) map_.mean(*groups[g].faces, own[g], groups[g].eps);
-    set_value(groups[g], map_.own(), own[g]);
+    const Array3<double>* value = groups[g].value;
+    if (families && value) {  // those of the particle grid's nodes show one value already, but not those of fine cells
+      value_.reset(map_.own());
+      for_each(map_.own(), [&](int i, int j, int k) { value_(i, j, k) = (*groups[g].value)(i, j, k); });
+      families->average(value_);
+      value = &value_;
+    }
+    set_value(groups[g], value, map_.own(), own[g]);
     cell_map_.mean(groups[g].cells, groups[g].cell_weight, own[g]);
   }
   window_.bring(own, window);
+}
+
+void Reader::react_at(const double x[3], const Four& whole) {
+  if (window_.cut()) {
+    SeenNodes seen;
+    window_.see(x, seen);
+    react(seen, whole);
+  } else {
+    Stencil w;
+    window_.weights(x, w);
+    react(w, whole);
+  }
 }
 
 void Reader::clear_reaction() {

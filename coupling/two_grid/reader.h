@@ -55,12 +55,18 @@ class Reader {
   void move_region(const ParticleRegion& region);
   /// Where the particles in `who` read.
   void find(const Particles& p, const std::vector<int>& who, Places& places) const;
-  /// f(q, place) for every particle who[q]; the place is a node, corners or a stencil, for at() and react().
+  /// f(q, place) for every particle who[q]; the place is a node, corners, a stencil or seen nodes, for at() and react().
   template <class F>
   void at_places(const Particles& p, const std::vector<int>& who, const Places& places, F f) const {
     const std::size_t n = who.size();
     if (window_.spread() == Spread::kCell) {
       for (std::size_t q = 0; q < n; ++q) f(q, places.node[q]);
+    } else if (window_.cut()) {
+      SeenNodes seen;
+      for (std::size_t q = 0; q < n; ++q) {
+        window_.see(p.x[who[q]], seen);
+        f(q, seen);
+      }
     } else if (window_.spread() == Spread::kLinear) {
       for (std::size_t q = 0; q < n; ++q) f(q, places.corners[q]);
     } else {
@@ -90,6 +96,8 @@ class Reader {
   void react(const Place& place, const Four& whole) {
     scatter(place, shape_, whole, sum_.data());
   }
+  /// The same at x, which may lie anywhere.
+  void react_at(const double x[3], const Four& whole);
   /// Sums of all ranks on faces: source (components 0-2) and beta (3), per volume. held_back: what nodes without a
   /// solved face kept of components 0-2. Collective.
   void collect(const std::array<FixedPoint, 2>& scale, NodeSpread& source, NodeSpread& beta, Vec3& held_back);
@@ -112,6 +120,7 @@ class Reader {
   bool around_ = false;                         // the window lies around own nodes: their values have their place in it
   std::vector<FourNumbers> field_, own_field_;  // on the window, groups together; own nodes' elsewhere
   std::vector<FourWholeNumbers> sum_, own_sum_;  // the same
+  Array3<double> value_;                         // scratch of load(): of families of fine cells
 };
 
 }  // namespace twogrid

@@ -30,6 +30,16 @@ struct Corners {
   std::ptrdiff_t home;  ///< place of the one that holds the particle's centre
 };
 
+/// The nodes of a particle where bodies stand: none that is closed, or that its own node doesn't see. Kept by whoever goes
+/// through many particles, so that nothing is allocated for each.
+struct SeenNodes {
+  int n = 0;
+  std::ptrdiff_t home = 0;         ///< place of the node that holds the centre, or else of the nearest open one
+  std::vector<std::ptrdiff_t> at;  ///< places; some may be the same
+  std::vector<double> w;           ///< their sum is 1
+  Stencil all;                     ///< as there would be without bodies
+};
+
 /// Where particles read or write, found once a coupling.
 struct Places {
   std::vector<std::ptrdiff_t> node;  ///< a single node each
@@ -100,6 +110,19 @@ inline void gather(std::ptrdiff_t node, const WindowShape&, const FourNumbers* f
   for (int g = 0; g < kGroups; ++g) out[g] = four_at(field[kGroups * node + g].at);
 }
 
+/// Weighted means of kGroups groups over nodes listed one by one.
+template <int kGroups, class Nodes>
+inline void gather_list(const Nodes& s, const FourNumbers* field, Four* out) {
+  for (int g = 0; g < kGroups; ++g) {
+    out[g] = Four{0, 0, 0, 0};
+    for (int q = 0; q < s.n; ++q) out[g] += s.w[q] * four_at(field[kGroups * s.at[q] + g].at);
+  }
+}
+template <int kGroups>
+inline void gather(const SeenNodes& s, const WindowShape&, const FourNumbers* field, Four* out) {
+  gather_list<kGroups>(s, field, out);
+}
+
 /// What a particle sees, group 0 of kGroups (component 3: void fraction): interpolated between nodes like its own. out:
 /// the plain mean, as gather() gives it, which holds where no node is emptier.
 template <int kGroups>
@@ -144,6 +167,23 @@ inline void see_like_home(const Stencil& s, const WindowShape& shape, const Four
         sum += w * node;
         weights += w;
       }
+  if (weights > 0) out = sum / weights;
+}
+
+template <int kGroups>
+inline void see_like_home(const SeenNodes& s, const WindowShape&, const FourNumbers* field, Four& out) {
+  const LikeHome like{1 - field[kGroups * s.home].at[3]};
+  double emptiest = 0;
+  for (int q = 0; q < s.n; ++q) emptiest = std::max(emptiest, field[kGroups * s.at[q]].at[3]);
+  if (emptiest <= like.full_up_to()) return;
+  Four sum{0, 0, 0, 0};
+  double weights = 0;
+  for (int q = 0; q < s.n; ++q) {
+    const Four node = four_at(field[kGroups * s.at[q]].at);
+    const double w = s.w[q] * like.factor(node[3]);
+    sum += w * node;
+    weights += w;
+  }
   if (weights > 0) out = sum / weights;
 }
 
@@ -203,7 +243,38 @@ inline void scatter(std::ptrdiff_t node, const WindowShape&, const Four& total, 
   add_whole(total, field[node]);
 }
 
+/// Over nodes listed one by one; what rounding leaves over goes to the node of the largest weight, so that exactly
+/// `total` is added.
+template <class Nodes>
+inline void scatter_list(const Nodes& s, const Four& total, FourWholeNumbers* field) {
+  Four rest = total;
+  int most = 0;
+  for (int q = 0; q < s.n; ++q) {
+    Four others, part;
+    split(s.w[q], total, others, part);
+    add_whole(part, field[s.at[q]]);
+    rest -= part;
+    if (s.w[q] > s.w[most]) most = q;
+  }
+  add_whole(rest, field[s.at[most]]);
+}
+inline void scatter(const SeenNodes& s, const WindowShape&, const Four& total, FourWholeNumbers* field) {
+  scatter_list(s, total, field);
+}
+
 /// One whole number a particle.
+inline void scatter(const SeenNodes& s, const WindowShape&, double total, long long* field) {
+  double rest = total;
+  int most = 0;
+  for (int q = 0; q < s.n; ++q) {
+    double others, part;
+    split(s.w[q], total, others, part);
+    field[s.at[q]] += static_cast<long long>(part);
+    rest -= part;
+    if (s.w[q] > s.w[most]) most = q;
+  }
+  field[s.at[most]] += static_cast<long long>(rest);
+}
 inline void scatter(const Corners& c, const WindowShape& shape, double total, long long* field) {
   double z[2], y[4];
   split(c.w[2], total, z[0], z[1]);
@@ -245,6 +316,18 @@ inline WeightsLikeHome weights_like_home(const Corners& c, const WindowShape& sh
   for (double& w : like.w) w /= sum;
   return like;
 }
+inline WeightsLikeHome weights_like_home(const SeenNodes& s, const WindowShape&, const FourNumbers* eps, int stride) {
+  WeightsLikeHome like{s.n, {}, {}};
+  const LikeHome home{1 - eps[stride * s.home].at[3]};
+  double sum = 0;
+  for (int q = 0; q < s.n; ++q) {
+    like.at[q] = s.at[q];
+    const double e = eps[stride * s.at[q]].at[3];
+    sum += like.w[q] = s.w[q] * (e <= home.full_up_to() ? 1.0 : home.factor(e));
+  }
+  for (double& w : like.w) w /= sum;
+  return like;
+}
 inline WeightsLikeHome weights_like_home(std::ptrdiff_t node, const WindowShape&, const FourNumbers*, int) {
   return {1, {node}, {1}};
 }
@@ -252,25 +335,12 @@ inline WeightsLikeHome weights_like_home(std::ptrdiff_t node, const WindowShape&
 /// Weighted means of kGroups groups by such weights.
 template <int kGroups>
 inline void gather(const WeightsLikeHome& like, const FourNumbers* field, Four* out) {
-  for (int g = 0; g < kGroups; ++g) {
-    out[g] = Four{0, 0, 0, 0};
-    for (int q = 0; q < like.n; ++q) out[g] += like.w[q] * four_at(field[kGroups * like.at[q] + g].at);
-  }
+  gather_list<kGroups>(like, field, out);
 }
 
-/// Adds the whole numbers `total`, split by such weights; what rounding leaves over goes to the node of the largest
-/// weight, so that exactly `total` is added.
+/// Adds the whole numbers `total`, split by such weights.
 inline void scatter(const WeightsLikeHome& like, const Four& total, FourWholeNumbers* field) {
-  Four rest = total;
-  int most = 0;
-  for (int q = 0; q < like.n; ++q) {
-    Four others, part;
-    split(like.w[q], total, others, part);
-    add_whole(part, field[like.at[q]]);
-    rest -= part;
-    if (like.w[q] > like.w[most]) most = q;
-  }
-  add_whole(rest, field[like.at[most]]);
+  scatter_list(like, total, field);
 }
 
 /// Adds `total` units, split by the weights; what rounding leaves over goes to the node of the largest weight, so that

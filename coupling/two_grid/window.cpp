@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cfd/parallel/ranks.h"
+#include "coupling/two_grid/open_nodes.h"
 
 namespace twogrid {
 
@@ -87,14 +88,16 @@ void Window::Span::between_stretched(double x, int& lower, double& w) const {
 Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, const ParticleRegion& region,
                Spread spread, double width)
     : spread_(spread), width_(width) {
+  const OpenNodes* const open = grid.open_nodes();
+  if (open) cut_ = true, search_ = open->search();
   for (int d = 0; d < 3; ++d) {
     const Axis& a = grid.axis[d];
     Span& s = span_[d];
     // A cube shifted inside at a wall reaches its whole edge inwards; one node more all around covers the pair of
     // linear weights and rounding of the coordinates.
     const double margin = region.reach + (spread == Spread::kCube ? width : 0.5 * width);
-    s.lo = find_image(a, region.lo[d] - margin) - 2;
-    s.hi = find_image(a, region.hi[d] + margin) + 3;
+    s.lo = find_image(a, region.lo[d] - margin) - 2 - search_[d];
+    s.hi = find_image(a, region.hi[d] + margin) + 3 + search_[d];
     if (!a.periodic()) {
       s.lo = std::clamp(s.lo, 0, a.n() - 1);
       s.hi = std::clamp(s.hi, s.lo + 1, a.n());
@@ -104,7 +107,8 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
     if (!a.periodic() && s.hi == a.n()) s.node.back() = a.hi();
     // Nodes before the first that have a place, on any rank: with few nodes around a period the window goes further
     // back.
-    const int before = !a.periodic() ? 0 : a.n() < 4 ? 4 * a.n() : a.n();
+    const int further = (search_[d] + a.n() - 1) / a.n() * a.n();
+    const int before = !a.periodic() ? 0 : (a.n() < 4 ? 4 * a.n() : a.n()) + further;
     s.pair_origin = a.lo() + (0.5 - before) * (a.length() / a.n());
     s.per_gap = a.n() / a.length();
     s.first_pair = s.lo + before, s.end_pair = s.hi - 1 + before;
@@ -133,6 +137,103 @@ Window::Window(MPI_Comm comm, const ParticleGrid& grid, const Layout& nodes, con
   for (int r = 0; r < ranks; ++r)
     for (int d = 0; d < 3; ++d) wanted[r].lo[d] = all[6 * r + d], wanted[r].hi[d] = all[6 * r + 3 + d];
   exchange_ = BlockExchange(comm, nodes.all_cells(), wanted, grid.n(), grid.periodic());
+  if (open) take_sight(*open);
+}
+
+void Window::take_sight(const OpenNodes& nodes) {
+  Array3<long long> sight(box_);
+  bring<long long>({&nodes.sight()}, {&sight});
+  sight_.assign(sight.data(), sight.data() + sight.size());
+}
+
+bool Window::is_open(std::ptrdiff_t place) const {
+  return (sight_[place] & OpenNodes::kOpen) != 0;
+}
+
+std::ptrdiff_t Window::nearest_open(const double x[3], std::ptrdiff_t own) const {
+  Int3 home, lo, hi;
+  for (int d = 0; d < 3; ++d) {
+    home[d] = span_[d].find(x[d]);
+    lo[d] = std::max(home[d] - search_[d], box_.lo[d]), hi[d] = std::min(home[d] + search_[d] + 1, box_.hi[d]);
+  }
+  const auto distance = [&](int d, int i) {
+    const double beyond = std::max(span_[d].low(i) - x[d], x[d] - span_[d].high(i));
+    return i == home[d] || !(beyond > 0) ? 0.0 : beyond * beyond;
+  };
+  double least = HUGE_VAL;
+  std::ptrdiff_t best = own;
+  for (int k = lo[2]; k < hi[2]; ++k)
+    for (int j = lo[1]; j < hi[1]; ++j)
+      for (int i = lo[0]; i < hi[0]; ++i) {
+        const std::ptrdiff_t m = place(i - box_.lo[0], j - box_.lo[1], k - box_.lo[2]);
+        if (!is_open(m)) continue;
+        const double away = distance(0, i) + distance(1, j) + distance(2, k);
+        if (away < least) least = away, best = m;
+      }
+  return best;
+}
+
+void Window::see(const double x[3], SeenNodes& s) const {
+  weights(x, s.all);
+  const Stencil& all = s.all;
+  const std::ptrdiff_t own = shape().place(all.home);
+  s.home = own;
+  if (!is_open(own)) {
+    s.home = nearest_open(x, own);
+    s.n = 1;
+    s.at.assign(1, s.home), s.w.assign(1, 1.0);
+    return;
+  }
+  seen_from(all.home, all.lo, all.n, s.at);
+  s.n = int(s.at.size());
+  s.w.resize(s.n);
+  double* w = s.w.data();
+  for (int k = 0; k < all.n[2]; ++k)
+    for (int j = 0; j < all.n[1]; ++j) {
+      const double wjk = all.w[1][j] * all.w[2][k];
+      for (int i = 0; i < all.n[0]; ++i) *w++ = all.w[0][i] * wjk;
+    }
+}
+
+void Window::seen_from(const Int3& home, const Int3& lo, const Int3& n, std::vector<std::ptrdiff_t>& at) const {
+  const WindowShape shape = this->shape();
+  const std::ptrdiff_t own = shape.place(home);
+  const std::size_t count = std::size_t(n[0]) * n[1] * n[2];
+  at.assign(count, own);
+  const Box box{lo, {lo[0] + n[0], lo[1] + n[1], lo[2] + n[2]}};
+  bool near = true;
+  for (int d = 0; d < 3; ++d) near = near && box.lo[d] >= home[d] - 1 && box.hi[d] <= home[d] + 2;
+  const auto sees = [&](const Int3& from, int x, int y, int z) {
+    return (sight_[shape.place(from)] & OpenNodes::seen(x, y, z)) != 0;
+  };
+  if (near) {
+    std::size_t q = 0;
+    for_each(box, [&](int i, int j, int k) {
+      if (sees(home, i - home[0], j - home[1], k - home[2])) at[q] = shape.place({i, j, k});
+      ++q;
+    });
+    return;
+  }
+  // Further nodes: from one to the next that it sees, within the box.
+  std::vector<Int3>& todo = todo_;
+  std::vector<char>& reached = reached_;
+  reached.assign(count, 0);
+  const auto reach = [&](const Int3& c) {
+    const std::size_t q = (c[0] - lo[0]) + std::size_t(n[0]) * ((c[1] - lo[1]) + std::size_t(n[1]) * (c[2] - lo[2]));
+    if (reached[q]) return;
+    reached[q] = 1;
+    at[q] = shape.place(c);
+    todo.push_back(c);
+  };
+  if (box.contains(home[0], home[1], home[2])) reach(home);
+  while (!todo.empty()) {
+    const Int3 c = todo.back();
+    todo.pop_back();
+    for (int z = -1; z <= 1; ++z)
+      for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x)
+          if (box.contains(c[0] + x, c[1] + y, c[2] + z) && sees(c, x, y, z)) reach({c[0] + x, c[1] + y, c[2] + z});
+  }
 }
 
 void Window::wide_weights(const double x[3], Stencil& s) const {
@@ -201,6 +302,11 @@ void find_places(const Window& window, const Particles& p, const std::vector<int
   if (window.spread() == Spread::kCell) {
     places.node.resize(who.size());
     find_nodes(window, p, who, places.node.data());
+    if (window.cut())
+      for (std::size_t q = 0; q < who.size(); ++q)
+        if (!window.is_open(places.node[q])) places.node[q] = window.open_node(p.x[who[q]]);
+  } else if (window.cut()) {
+    places.corners.clear();
   } else if (window.spread() == Spread::kLinear) {
     places.corners.resize(who.size());
     find_corners(window, p, who, places.corners.data());

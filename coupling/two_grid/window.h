@@ -10,6 +10,7 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include "cfd/parallel/block_exchange.h"
@@ -97,6 +98,20 @@ class Window {
     }
     for (int d = 0; d < 3; ++d) s.lo[d] = s.home[d] = span_[d].find(x[d]), s.n[d] = 1, s.w[d][0] = 1;
   }
+
+  /// Bodies stand in the grid: weights come by see(), nodes by open_node().
+  bool cut() const { return cut_; }
+  /// The nodes of weights(), each that is closed or not seen from the particle's own node replaced by that.
+  void see(const double x[3], SeenNodes& s) const;
+  /// Place of the open node that holds x or else lies nearest to it, within OpenNodes::search(); without any, of the
+  /// closed one that holds x.
+  std::ptrdiff_t open_node(const double x[3]) const {
+    const std::ptrdiff_t own = node(x);
+    return is_open(own) ? own : nearest_open(x, own);
+  }
+  bool is_open(std::ptrdiff_t place) const;
+  /// Places of the nodes of a box of the window, x fastest, those that `home` doesn't see replaced by its own.
+  void seen_from(const Int3& home, const Int3& lo, const Int3& n, std::vector<std::ptrdiff_t>& at) const;
 
   /// Place in a field of the window of the node that holds x.
   std::ptrdiff_t node(const double x[3]) const {
@@ -203,6 +218,8 @@ class Window {
     whole = __builtin_convertvector(__builtin_convertvector(t, FourInt), Four);
   }
   void wide_weights(const double x[3], Stencil& s) const;
+  void take_sight(const OpenNodes& nodes);
+  std::ptrdiff_t nearest_open(const double x[3], std::ptrdiff_t own) const;
   std::ptrdiff_t place(int i, int j, int k) const {
     return i + std::ptrdiff_t(box_.size(0)) * (j + std::ptrdiff_t(box_.size(1)) * k);
   }
@@ -212,9 +229,15 @@ class Window {
   Spread spread_ = Spread::kCell;
   double width_ = 0;
   BlockExchange exchange_;
+  bool cut_ = false;
+  Int3 search_{0, 0, 0};
+  std::vector<std::uint32_t> sight_;   // of the window's nodes, as OpenNodes has it
+  mutable std::vector<Int3> todo_;     // scratch of seen_from()
+  mutable std::vector<char> reached_;  // the same
 };
 
-/// Where particles lie: nodes for kCell, corners for kLinear; nothing for other weights. Local.
+/// Where particles lie: nodes for kCell, corners for kLinear; nothing for other weights. Where bodies stand, open nodes
+/// for kCell, else nothing. Local.
 void find_places(const Window& window, const Particles& p, const std::vector<int>& who, Places& places);
 
 }  // namespace twogrid

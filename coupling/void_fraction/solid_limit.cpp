@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cfd/parallel/ranks.h"
+#include "coupling/two_grid/open_nodes.h"
 
 namespace twogrid {
 
@@ -77,13 +78,20 @@ SolidLimit::Result SolidLimit::operator()(const FixedPoint& scale, Array3<long l
   }
   result.unplaced = excess_volume();
   result.displaced -= result.unplaced;
+  // What found no room may lie in members of families on its way.
+  if (const OpenNodes* open = grid_.open_nodes()) open->gather_up(slot_of(solid));
   return result;
+}
+
+bool SolidLimit::reaches(int i, int j, int k, int d, int side) const {
+  const int c = Int3{i, j, k}[d] + side;
+  if (!grid_.axis[d].periodic() && (c < 0 || c >= grid_.axis[d].n())) return false;
+  const OpenNodes* const open = grid_.open_nodes();
+  return !open || open->sees(i, j, k, d, side);
 }
 
 void SolidLimit::find_distances() {
   // Bellman-Ford, one layer a round: enough rounds for the widest cluster without room.
-  const Int3 n = grid_.n();
-  const auto periodic = grid_.periodic();
   distance_.fill(kFar);
   for_each(own_, [&](int i, int j, int k) {
     if (room_(i, j, k) > 0) distance_(i, j, k) = 0;
@@ -98,7 +106,7 @@ void SolidLimit::find_distances() {
         for (int s = -1; s <= 1; s += 2) {
           Int3 c{i, j, k};
           c[d] += s;
-          if (!periodic[d] && (c[d] < 0 || c[d] >= n[d])) continue;
+          if (!reaches(i, j, k, d, s)) continue;
           best = std::min(best, distance_(c[0], c[1], c[2]) + 1);
         }
       if (best < distance_(i, j, k) && best < kFar) distance_(i, j, k) = best, ++mine;
@@ -109,8 +117,6 @@ void SolidLimit::find_distances() {
 }
 
 void SolidLimit::move_once() {
-  const Int3 n = grid_.n();
-  const auto periodic = grid_.periodic();
   for_each(own_, [&](int i, int j, int k) {
     const long long excess = -room_(i, j, k), distance = distance_(i, j, k);
     if (excess <= 0 || distance >= kFar) return;
@@ -122,7 +128,7 @@ void SolidLimit::move_once() {
       for (int s = -1; s <= 1; s += 2) {
         Int3 c{i, j, k};
         c[d] += s;
-        if (!periodic[d] && (c[d] < 0 || c[d] >= n[d])) continue;
+        if (!reaches(i, j, k, d, s)) continue;
         if (distance_(c[0], c[1], c[2]) != distance - 1) continue;
         to[count] = c;
         sum += share[count] = distance == 1 ? double(room_(c[0], c[1], c[2])) : 1.0;

@@ -2,7 +2,8 @@
 //
 // move: what is too much goes to neighbours that have room, in proportion to their room; where none of the six has any,
 //   one step along the shortest ways to nodes with room; and so on until all is placed. Nothing is thrown away. If no
-//   node that can be reached has room, what is left stays where it is, and `unplaced` says how much.
+//   node that can be reached has room, what is left stays where it is, and `unplaced` says how much. Ways lead through
+//   open faces only.
 // clip: what is too much is thrown away, as other codes do.
 // Works on the integers of the deposition (volume_deposit.h): the result doesn't depend on the number of ranks.
 #pragma once
@@ -31,6 +32,8 @@ class SolidLimit {
   Result operator()(const FixedPoint& scale, Array3<long long>& solid);
 
  private:
+  /// There is a neighbour, and no wall between. side: -1 below, 1 above.
+  bool reaches(int i, int j, int k, int d, int side) const;
   void find_distances();
   void move_once();
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cfd/parallel/ranks.h"
+#include "coupling/two_grid/open_nodes.h"
 
 namespace twogrid {
 
@@ -62,6 +63,7 @@ void VoidFraction::deposit(const Particles& p, const Selection& selection, const
     eps_min = std::min(eps_min, eps);
   });
   state_.eps_min = eps_min;
+  hand_down(state_.eps);
   if (limited.unplaced > 0) check_room();  // else no node is above the bound
   prolongation_(state_.eps, fine);
   if (open_)
@@ -72,6 +74,11 @@ void VoidFraction::deposit(const Particles& p, const Selection& selection, const
     for_each(own_cells_,
              [&](int i, int j, int k) { ledger.deposited_volume += (1 - fine(i, j, k)) * grid_.volume(i, j, k); });
   state_.volume = ledger.deposited_volume.value();
+}
+
+/// A value of families, from where it was made to all members.
+void VoidFraction::hand_down(CellField<ParticleGrid>& node) const {
+  if (const OpenNodes* open = nodes_.open_nodes()) open->hand_down(slot_of<double>(node));
 }
 
 void VoidFraction::restored() {
@@ -108,6 +115,7 @@ const CellField<FineGrid>* VoidFraction::replacement(const Particles& p, const S
   for_each(own_nodes_, [&](int i, int j, int k) {
     replaced_(i, j, k) = 0 - nodes_.share_of(scale.value(inserted_(i, j, k)), i, j, k);
   });
+  hand_down(replaced_);
   prolongation_.constant(replaced_, replaced_cells_);
   if (change_.changed)
     for (std::size_t m = 0; m < replaced_cells_.size(); ++m) replaced_cells_.data()[m] += change_.eps.data()[m];
@@ -133,6 +141,7 @@ void VoidFraction::lay_out(const Particles& p, const Selection& selection, CellF
   if (eps.size() == 0) eps.reset(state_.eps.box(), 1.0);
   for_each(own_nodes_,
            [&](int i, int j, int k) { eps(i, j, k) = 1 - nodes_.share_of(scale.value(inserted_(i, j, k)), i, j, k); });
+  hand_down(eps);
 }
 
 void VoidFraction::rest(const Particles& p, const Selection& selection) {

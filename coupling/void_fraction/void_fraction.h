@@ -48,6 +48,7 @@ class VoidFraction {
 
  private:
   void check_room() const;
+  void hand_down(CellField<ParticleGrid>& node) const;
   void allocate_replacement();
   void lay_out(const Particles& p, const Selection& selection, CellField<ParticleGrid>& eps);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cfd/parallel/vectorised.h"
+#include "coupling/two_grid/open_nodes.h"
 #include "coupling/void_fraction/sphere_overlap.h"
 
 namespace twogrid {
@@ -81,12 +82,19 @@ void VolumeDeposit::operator()(const Particles& p, const std::vector<int>& who, 
       add_at_centres(p, who, places->node.data(), scale_, sum_.data());
       break;
     case Deposit::kTrilinear:
-      add_at_corners(p, who, places->corners.data(), window_.shape(), scale_, sum_.data());
+      if (window_.cut())
+        add_seen(p, who);
+      else
+        add_at_corners(p, who, places->corners.data(), window_.shape(), scale_, sum_.data());
       break;
     case Deposit::kExact:
       for (int i : who) intersect_sphere(p.x[i], p.radius[i], scale_.quantise(sphere_volume(p.radius[i])));
       break;
     case Deposit::kCube: {
+      if (window_.cut()) {
+        add_seen(p, who);
+        break;
+      }
       Stencil s;
       for (int i : who) {
         window_.weights(p.x[i], s);
@@ -97,6 +105,15 @@ void VolumeDeposit::operator()(const Particles& p, const std::vector<int>& who, 
   }
   volume.fill(0);
   window_.add({&sum_}, {&volume});
+  if (const OpenNodes* open = grid_.open_nodes()) open->gather_up(slot_of(volume));
+}
+
+void VolumeDeposit::add_seen(const Particles& p, const std::vector<int>& who) {
+  const WindowShape shape = window_.shape();
+  for (int i : who) {
+    window_.see(p.x[i], seen_);
+    scatter(seen_, shape, scale_.whole(sphere_volume(p.radius[i])), sum_.data());
+  }
 }
 
 void VolumeDeposit::intersect_sphere(const double x[3], double radius, long long total) {
@@ -111,6 +128,17 @@ void VolumeDeposit::intersect_sphere(const double x[3], double radius, long long
     for (int i = 1; i < n[d]; ++i) cut[d][i] = (a.low(lo[d] + i) - x[d]) / radius;
   }
   const std::ptrdiff_t first = sum_.index(lo[0], lo[1], lo[2]);
+  const std::ptrdiff_t* place = nullptr;  // of the nodes touched; null: their own
+  if (window_.cut()) {
+    const std::ptrdiff_t own = window_.node(x), home = window_.open_node(x);
+    if (home != own) {
+      sum_.data()[home] += total;
+      return;
+    }
+    window_.seen_from({window_.span(0).find(x[0]), window_.span(1).find(x[1]), window_.span(2).find(x[2])}, lo, n,
+                      seen_.at);
+    place = seen_.at.data();
+  }
   if (n[0] * n[1] * n[2] == 1) {
     sum_.data()[first] += total;
     return;
@@ -161,7 +189,7 @@ void VolumeDeposit::intersect_sphere(const double x[3], double radius, long long
             ((b[0] - b[1]) - (b[row] - b[row + 1])) - ((b[slab] - b[slab + 1]) - (b[slab + row] - b[slab + row + 1]));
         if (v <= 0) continue;
         const long long part = static_cast<long long>(v * share);
-        const std::ptrdiff_t m = sum_.index(lo[0] + i, lo[1] + j, lo[2] + k);
+        const std::ptrdiff_t m = place ? place[i + n[0] * (j + n[1] * k)] : sum_.index(lo[0] + i, lo[1] + j, lo[2] + k);
         sum_.data()[m] += part;
         rest -= part;
         if (v > largest) largest = v, at = m;

@@ -6,6 +6,9 @@
 //               there
 //   cube        spread evenly over a cube of given edge, shifted inside at walls (Link et al., porous cube)
 //
+// Where bodies stand, what would go to a closed node, or to one that the particle's own node doesn't see, stays in the
+// own node, and families of nodes (open_nodes.h) have their sum at their master.
+//
 // Each particle's volume is rounded once to an integer multiple of a unit, and its parts are integers that add up to
 // it: sums are exact, and the same bits for any number of ranks and any order of particles. A node may hold 16 times
 // its own volume, or 16 of the largest particles, before the sum overflows.
@@ -42,6 +45,7 @@ class VolumeDeposit {
  private:
   void make_window();
   void intersect_sphere(const double x[3], double radius, long long total);
+  void add_seen(const Particles& p, const std::vector<int>& who);
 
   MPI_Comm comm_;
   ParticleGrid grid_;
@@ -52,6 +56,7 @@ class VolumeDeposit {
   Window window_;
   Array3<long long> sum_;  // on the window
   Places places_;          // where they are not known
+  SeenNodes seen_;         // scratch, where bodies stand
   FixedPoint scale_;
   std::vector<double> beyond_;  // scratch of the exact intersection: volumes beyond the corners of the nodes cut
 };

@@ -57,7 +57,7 @@ inline ParticleRegion make_region(const FineGrid& grid, MPI_Comm comm, double re
 class FakeFluid : public Fluid {
  public:
   FakeFluid(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double density = 1, double viscosity = 1)
-      : grid_(grid), layout_(layout), density_(density), viscosity_(viscosity) {
+      : comm_(comm), grid_(grid), layout_(layout), density_(density), viscosity_(viscosity) {
     const int r = rank_of(comm);
     for (int d = 0; d < 3; ++d) {
       const Box own = layout.faces(d, r), box = own.empty() ? own : own.grown(kHalo);
@@ -134,7 +134,7 @@ class FakeFluid : public Fluid {
       theta(i, j, k) = theta_at(inside({grid_.axis[0].centre(i), grid_.axis[1].centre(j), grid_.axis[2].centre(k)}));
     });
     for_each(own_cells_, [&](int i, int j, int k) { open += theta(i, j, k) * grid_.volume(i, j, k); });
-    MPI_Allreduce(MPI_IN_PLACE, &open, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    MPI_Allreduce(MPI_IN_PLACE, &open, 1, MPI_DOUBLE, MPI_SUM, comm_);
     for (int d = 0; d < 3; ++d) alpha[d].reset(local, 1.0), theta_f[d].reset(local, 1.0);
     set(alpha, [&](int d, const Vec3& x) { return alpha_at(d, inside(x)); });
     measures.face_mean(theta, theta_f);
@@ -155,6 +155,7 @@ class FakeFluid : public Fluid {
   std::function<void(double, const VoidFractionInTime&, const Interphase&)> on_advance;
 
  private:
+  MPI_Comm comm_;
   FineGrid grid_;
   Layout layout_;
   double density_, viscosity_, time_ = 0;

@@ -24,7 +24,11 @@ struct MapScene {
       : grid(make_grid({0, 0, 0}, {1, 1, 2}, {8, 4, 16}, periodic, {stretch, 1, stretch})), ratio(ratio) {
     fluid = std::make_unique<FakeFluid>(MPI_COMM_WORLD, grid, make_layout(grid, ranks_of(MPI_COMM_WORLD), ratio));
   }
-  void make() { map = std::make_unique<Map>(MPI_COMM_WORLD, *fluid, ParticleGrid(grid, ratio)); }
+  void make() {
+    ParticleGrid nodes(grid, ratio);
+    nodes.take_open_part(MPI_COMM_WORLD, *fluid, {1, 1, 1});
+    map = std::make_unique<Map>(MPI_COMM_WORLD, *fluid, nodes);
+  }
   /// The mean's three components, read out of groups that hold something else beside them.
   NodeVector<CellField<ParticleGrid>> mean() const {
     const Box& own = map->own();
