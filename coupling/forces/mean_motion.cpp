@@ -32,8 +32,6 @@ MeanMotion::MeanMotion(MeanMotionState& state, MPI_Comm comm, const ParticleGrid
 void MeanMotion::move_region(const ParticleRegion& region) {
   window_ = Window(comm_, grid_, nodes_, region, spread_, 0.0);
   shape_ = window_.shape();
-  const bool cell = spread_ == Spread::kCell;
-  way_ = window_.cut() ? (cell ? Way::kOpenNode : Way::kSeen) : cell ? Way::kNode : Way::kCorners;
 }
 
 void MeanMotion::clear(int sums) {
@@ -70,7 +68,8 @@ void MeanMotion::average_diameters(const Particles& p, const std::vector<int>& w
   for (int i : who) {
     const double d = 2 * p.radius[i];
     const Four whole{cubes.whole(d * d * d), squares.whole(d * d), 0, 0};
-    at(p.x[i], [&](const auto& place) { scatter(place, shape_, whole, window_sum_[0].data()); });
+    const auto add = [&](const auto& place) { scatter(place, shape_, whole, window_sum_[0].data()); };
+    window_.cut() ? at<true>(p.x[i], add) : at<false>(p.x[i], add);
   }
   collect(1);
   own_shown_.assign(own_.count(), FourNumbers{});
@@ -83,23 +82,48 @@ void MeanMotion::average_diameters(const Particles& p, const std::vector<int>& w
 }
 
 double MeanMotion::diameter(const double x[3]) const {
-  Four out{};
-  at(x, [&](const auto& place) { gather<1>(place, shape_, shown_.data(), &out); });
+  Four out;
+  const auto read = [&](const auto& place) { gather<1>(place, shape_, shown_.data(), &out); };
+  window_.cut() ? at<true>(x, read) : at<false>(x, read);
   return out[0];
 }
 
 void MeanMotion::sum_motion(const Particles& p, const std::vector<int>* who) {
   mass_unit_ = FixedPoint(state_.mass, state_.terms);
+  window_.cut() ? add_motion<true>(p, who) : add_motion<false>(p, who);
+}
+
+template <bool kCut>
+void MeanMotion::add_motion(const Particles& p, const std::vector<int>* who) {
   auto add = [&](int i) {
     Four whole{0, 0, 0, mass_unit_.whole(p.mass[i])};
     for (int d = 0; d < 3; ++d) whole[d] = momentum_unit_.whole(p.mass[i] * p.v[i][d]);
-    at(p.x[i], [&](const auto& place) { scatter(place, shape_, whole, window_sum_[kMotion].data()); });
+    at<kCut>(p.x[i], [&](const auto& place) { scatter(place, shape_, whole, window_sum_[kMotion].data()); });
   };
   if (who)
     for (int i : *who) add(i);
   else
     for (int i = 0; i < p.n; ++i)
       if (feels_drag(p, i)) add(i);
+}
+
+template <bool kCut>
+void MeanMotion::add_flux_and_drag(const Particles& p, const std::vector<int>& who,
+                                   const std::vector<FourNumbers>& flux_velocity, const Largest& largest, bool drag) {
+  const FixedPoint b_unit(largest.drag_coefficient, largest.terms), force_unit(largest.drag, largest.terms);
+  for (std::size_t q = 0; q < who.size(); ++q) {
+    const int i = who[q];
+    const double *u = p.step[i] + kStepVelocity, b = p.step[i][kDragCoefficient];
+    Four flux{0, 0, 0, 0}, force{0, 0, 0, drag ? b_unit.whole(b) : 0};
+    for (int d = 0; d < 3; ++d) {
+      flux[d] = momentum_unit_.whole(p.mass[i] * flux_velocity[q].at[d]);
+      if (drag) force[d] = force_unit.whole(b * (u[d] - p.v[i][d]));
+    }
+    at<kCut>(p.x[i], [&](const auto& place) {
+      scatter(place, shape_, flux, window_sum_[kFlux].data());
+      if (drag) scatter(weights_like_home(place, shape_, shown_.data(), 1), force, window_sum_[kDrag].data());
+    });
+  }
 }
 
 void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const std::vector<FourNumbers>& flux_velocity,
@@ -119,19 +143,8 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
   const int sums = drag ? kSums : kDrag;
   clear(sums);
   sum_motion(p, &who);
-  for (std::size_t q = 0; q < who.size(); ++q) {
-    const int i = who[q];
-    const double *u = p.step[i] + kStepVelocity, b = p.step[i][kDragCoefficient];
-    Four flux{0, 0, 0, 0}, force{0, 0, 0, drag ? b_unit.whole(b) : 0};
-    for (int d = 0; d < 3; ++d) {
-      flux[d] = momentum_unit_.whole(p.mass[i] * flux_velocity[q].at[d]);
-      if (drag) force[d] = force_unit.whole(b * (u[d] - p.v[i][d]));
-    }
-    at(p.x[i], [&](const auto& place) {
-      scatter(place, shape_, flux, window_sum_[kFlux].data());
-      if (drag) scatter(weights_like_home(place, shape_, shown_.data(), 1), force, window_sum_[kDrag].data());
-    });
-  }
+  window_.cut() ? add_flux_and_drag<true>(p, who, flux_velocity, largest, drag)
+                : add_flux_and_drag<false>(p, who, flux_velocity, largest, drag);
   collect(sums);
   if (drag) own_shown_.assign(2 * own_.count(), FourNumbers{});
   for_each(own_, [&](int i, int j, int k) {
@@ -155,8 +168,10 @@ void MeanMotion::couple(const Particles& p, const std::vector<int>& who, const s
 
 void MeanMotion::drag_at(const double x[3], double& beta, Vec3& d) const {
   Four out[2] = {};
-  at(x,
-     [&](const auto& place) { gather<2>(weights_like_home(place, shape_, shown_.data() + 1, 2), shown_.data(), out); });
+  const auto read = [&](const auto& place) {
+    gather<2>(weights_like_home(place, shape_, shown_.data() + 1, 2), shown_.data(), out);
+  };
+  window_.cut() ? at<true>(x, read) : at<false>(x, read);
   beta = out[0][3];
   d = {out[0][0], out[0][1], out[0][2]};
 }
@@ -206,12 +221,13 @@ void MeanMotion::update(const Particles& p, const CellField<ParticleGrid>& eps) 
 
 void MeanMotion::change_at(const double x[3], Vec3& c, Vec3& pressure) const {
   Four out[2] = {};
-  at(x, [&](const auto& place) {
+  const auto read = [&](const auto& place) {
     if (state_.drag)
       gather<2>(place, shape_, shown_.data(), out);
     else
       gather<1>(place, shape_, shown_.data(), out);
-  });
+  };
+  window_.cut() ? at<true>(x, read) : at<false>(x, read);
   c = {out[0][0], out[0][1], out[0][2]};
   pressure = {out[1][0], out[1][1], out[1][2]};
 }

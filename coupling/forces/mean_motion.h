@@ -62,26 +62,27 @@ class MeanMotion {
   /// momentum; of the drag, force and coefficient.
   enum { kMotion, kFlux, kDrag, kSums };
 
-  /// f(place): of a particle at x.
-  template <class F>
+  /// f(place): of a particle at x. kCut: bodies stand in the grid.
+  template <bool kCut, class F>
   void at(const double x[3], F f) const {
-    switch (way_) {
-      case Way::kNode:
-        f(window_.node(x));
-        break;
-      case Way::kCorners:
-        f(window_.corners(x));
-        break;
-      case Way::kOpenNode:
-        f(window_.open_node(x));
-        break;
-      case Way::kSeen:
-        window_.see(x, seen_);
-        f(seen_);
+    if (kCut && window_.spread() == Spread::kCell) {
+      f(window_.open_node(x));
+    } else if (kCut) {
+      window_.see(x, seen_);
+      f(seen_);
+    } else if (window_.spread() == Spread::kCell) {
+      f(window_.node(x));
+    } else {
+      f(window_.corners(x));
     }
   }
   void clear(int sums);
   void sum_motion(const Particles& p, const std::vector<int>* who);
+  template <bool kCut>
+  void add_motion(const Particles& p, const std::vector<int>* who);
+  template <bool kCut>
+  void add_flux_and_drag(const Particles& p, const std::vector<int>& who, const std::vector<FourNumbers>& flux_velocity,
+                         const Largest& largest, bool drag);
   void collect(int sums);
   /// Brings so many groups a node from own_shown_ to shown_.
   void bring(int groups);
@@ -102,8 +103,7 @@ class MeanMotion {
   Spread spread_;
   Window window_;
   WindowShape shape_;
-  enum class Way { kNode, kCorners, kOpenNode, kSeen } way_ = Way::kNode;  // the last two where bodies stand
-  mutable SeenNodes seen_;                                                 // scratch
+  mutable SeenNodes seen_;  // scratch, where bodies stand
   std::array<bool, 3> free_flux_;
   double domain_volume_;
   FixedPoint mass_unit_, momentum_unit_;

@@ -44,11 +44,14 @@ void UndisturbedForce::update(const Fluid& fluid, const CellField<FineGrid>& eps
           if (state(i, j, k) == FaceState::kFixed) continue;
           Int3 c{i, j, k}, under = c;
           --under[d];
-          double h0 = a.width(under[d]), h1 = a.width(c[d]);
-          if (open) h0 *= open->theta()(under[0], under[1], under[2]), h1 *= open->theta()(i, j, k);
-          const double e = (h0 * eps(under[0], under[1], under[2]) + h1 * eps(i, j, k)) / (h0 + h1);
-          // The exchange is that of the face's whole volume.
-          const double whole = open ? 1 / open->theta_f()[d](i, j, k) : 1.0;
+          const double h0 = a.width(under[d]), h1 = a.width(c[d]);
+          const double e0 = eps(under[0], under[1], under[2]), e1 = eps(i, j, k);
+          double e = (h0 * e0 + h1 * e1) / (h0 + h1), whole = 1;
+          if (open) {  // the exchange is that of the face's whole volume
+            const double open0 = h0 * open->theta()(under[0], under[1], under[2]), open1 = h1 * open->theta()(i, j, k);
+            e = (open0 * e0 + open1 * e1) / (open0 + open1);
+            whole = 1 / open->theta_f()[d](i, j, k);
+          }
           const double balance = gradient(i, j, k) - (source ? (source[q] - beta[q] * u(i, j, k)) * whole : 0.0);
           const double w = e / (1 + (1 - e) * density_ratio);
           double& r = r_[d](i, j, k);

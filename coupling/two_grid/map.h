@@ -65,8 +65,8 @@ class Map {
  private:
   template <class Value>
   double open_sum(int d, int I, int J, int K, Value value) const;
-  void mean_of_open(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
-                    const CellField<FineGrid>* eps) const;
+  __attribute__((noinline)) void mean_of_open(const FaceField<FineGrid>& face, const Slot<FourNumbers>& node,
+                                              const CellField<FineGrid>* eps) const;
 
   ParticleGrid grid_;
   Layout layout_;

@@ -173,7 +173,39 @@ std::ptrdiff_t Window::nearest_open(const double x[3], std::ptrdiff_t own) const
   return best;
 }
 
+void Window::see_corners(const double x[3], SeenNodes& s) const {
+  const Corners c = corners(x);
+  const WindowShape shape = this->shape();
+  s.n = 8;
+  s.at.resize(8), s.w.resize(8);
+  s.home = is_open(c.home) ? c.home : nearest_open(x, node(x));
+  const std::uint32_t sight = s.home == c.home ? sight_[c.home] : 0;
+  Int3 upper;  // which of the eight is home
+  std::ptrdiff_t rest = c.home - c.at;
+  for (int d = 2; d >= 0; --d) {
+    upper[d] = shape.up[d] > 0 && rest >= shape.up[d];
+    rest -= upper[d] * shape.up[d];
+  }
+  for (int q = 0; q < 8; ++q) {
+    const Int3 corner{q & 1, q >> 1 & 1, q >> 2};
+    Int3 offset;
+    double w = 1;
+    std::ptrdiff_t m = c.at;
+    for (int d = 0; d < 3; ++d) {
+      w *= corner[d] ? c.w[d] : 1 - c.w[d];
+      m += corner[d] * shape.up[d];
+      offset[d] = shape.up[d] > 0 ? corner[d] - upper[d] : 0;
+    }
+    s.w[q] = w;
+    s.at[q] = sight & OpenNodes::seen(offset[0], offset[1], offset[2]) ? m : s.home;
+  }
+}
+
 void Window::see(const double x[3], SeenNodes& s) const {
+  if (spread_ == Spread::kLinear) {
+    see_corners(x, s);
+    return;
+  }
   weights(x, s.all);
   const Stencil& all = s.all;
   const std::ptrdiff_t own = shape().place(all.home);

@@ -219,6 +219,7 @@ class Window {
   }
   void wide_weights(const double x[3], Stencil& s) const;
   void take_sight(const OpenNodes& nodes);
+  void see_corners(const double x[3], SeenNodes& s) const;
   std::ptrdiff_t nearest_open(const double x[3], std::ptrdiff_t own) const;
   std::ptrdiff_t place(int i, int j, int k) const {
     return i + std::ptrdiff_t(box_.size(0)) * (j + std::ptrdiff_t(box_.size(1)) * k);
