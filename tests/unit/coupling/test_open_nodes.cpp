@@ -563,9 +563,9 @@ TEST(OpenNodes, PackingAgainstACurvedWall) {
 // wall.
 TEST(OpenNodes, ProlongationKeepsTheOpenPart) {
   for (Body body : {kVessel, kRandom, kThickWall, kThinWall}) {
-    Vessel s(MPI_COMM_WORLD, 4);
+    Vessel s(MPI_COMM_WORLD, 2);
     cut(s.fluid, shares_of(body));
-    const ParticleGrid nodes = nodes_of(MPI_COMM_WORLD, s.fluid, 4);
+    const ParticleGrid nodes = nodes_of(MPI_COMM_WORLD, s.fluid, 2);
     const OpenNodes& open = *nodes.open_nodes();
     const Box own_nodes = open.open_part().box(), own = s.fluid.own_cells_;
     CellField<ParticleGrid> node;
@@ -573,7 +573,7 @@ TEST(OpenNodes, ProlongationKeepsTheOpenPart) {
     node.reset(own_nodes.empty() ? own_nodes : own_nodes.grown(1), -5.0);
     fine.reset(own.empty() ? own : own.grown(2), -5.0);
     for_each(own_nodes, [&](int i, int j, int k) {
-      node(i, j, k) = open.open_part()(i, j, k) > 0 ? 0.5 + 0.05 * i + 0.1 * j + 0.08 * k : 1.0;
+      node(i, j, k) = open.open_part()(i, j, k) > 0 ? 0.5 + 0.05 * i + 0.04 * j + 0.02 * k : 1.0;
     });
     open.hand_down(slot_of<double>(node));
     const Prolongation linear(MPI_COMM_WORLD, s.grid, s.fluid.layout(), nodes, Prolong::kLinear, 0.35);
