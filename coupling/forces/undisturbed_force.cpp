@@ -25,6 +25,14 @@ double mean_density(MPI_Comm comm, const Particles& p, const std::vector<int>& w
 
 void UndisturbedForce::update(const Fluid& fluid, const CellField<FineGrid>& eps, const Interphase& exchange,
                               double particle_density) {
+  fluid.open_shares() ? renew<true>(fluid, eps, exchange, particle_density)
+                      : renew<false>(fluid, eps, exchange, particle_density);
+  halo_.bring(r_);
+}
+
+template <bool kOpenShares>
+void UndisturbedForce::renew(const Fluid& fluid, const CellField<FineGrid>& eps, const Interphase& exchange,
+                             double particle_density) {
   const OpenShares* open = fluid.open_shares();
   const double density_ratio = fluid.density() / particle_density;
   for (int d = 0; d < 3; ++d) {
@@ -44,14 +52,11 @@ void UndisturbedForce::update(const Fluid& fluid, const CellField<FineGrid>& eps
           if (state(i, j, k) == FaceState::kFixed) continue;
           Int3 c{i, j, k}, under = c;
           --under[d];
-          const double h0 = a.width(under[d]), h1 = a.width(c[d]);
-          const double e0 = eps(under[0], under[1], under[2]), e1 = eps(i, j, k);
-          double e = (h0 * e0 + h1 * e1) / (h0 + h1), whole = 1;
-          if (open) {  // the exchange is that of the face's whole volume
-            const double open0 = h0 * open->theta()(under[0], under[1], under[2]), open1 = h1 * open->theta()(i, j, k);
-            e = (open0 * e0 + open1 * e1) / (open0 + open1);
-            whole = 1 / open->theta_f()[d](i, j, k);
-          }
+          double h0 = a.width(under[d]), h1 = a.width(c[d]);
+          if (kOpenShares) h0 *= open->theta()(under[0], under[1], under[2]), h1 *= open->theta()(i, j, k);
+          const double e = (h0 * eps(under[0], under[1], under[2]) + h1 * eps(i, j, k)) / (h0 + h1);
+          // The exchange is that of the face's whole volume.
+          const double whole = kOpenShares ? 1 / open->theta_f()[d](i, j, k) : 1.0;
           const double balance = gradient(i, j, k) - (source ? (source[q] - beta[q] * u(i, j, k)) * whole : 0.0);
           const double w = e / (1 + (1 - e) * density_ratio);
           double& r = r_[d](i, j, k);
@@ -59,7 +64,6 @@ void UndisturbedForce::update(const Fluid& fluid, const CellField<FineGrid>& eps
         }
       }
   }
-  halo_.bring(r_);
 }
 
 }  // namespace twogrid

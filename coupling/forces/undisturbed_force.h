@@ -32,6 +32,9 @@ class UndisturbedForce {
   const FaceField<FineGrid>& field() const { return r_; }
 
  private:
+  template <bool kOpenShares>
+  void renew(const Fluid& fluid, const CellField<FineGrid>& eps, const Interphase& exchange, double particle_density);
+
   std::array<Box, 3> own_;
   FaceField<FineGrid>& r_;
   std::vector<double> source_, beta_;  // scratch: rows of the exchange
