@@ -1,6 +1,8 @@
 // Fluid and particles together in a round vessel that the grid cuts anyhow: a packed bed at rest has Ergun's pressure
 // drop over the open section, wherever the vessel's axis lies on the grid. Without it would pass: drag per whole instead
 // of open volume, a void fraction that is off in cut nodes, an area that is not the vessel's.
+// (Reads by the particle cell: those by fine cells also see the layer of half a diameter at the wall in which no centre
+// lies.)
 #include <gtest/gtest.h>
 
 #include "cfd/fluid_solver.h"
@@ -89,7 +91,7 @@ Flow through_bed(double x0, double y0, Deposit deposit, Read read, Formulation f
   const double dt = 2e-4;
   coupling.start(p, dt);
   coupling.force(p, dt, false);
-  for (int n = 0; n < 25; ++n) {
+  for (int n = 0; n < 14; ++n) {
     coupling.advance(p, 1, dt);
     for (auto& f : mine.f) f = {0, 0, 0};
     for (auto& v : mine.v) v = {0, 0, 0};
@@ -131,7 +133,7 @@ TEST(BedInVessel, PackedBedHasErgunsDropWhereverTheAxisLies) {
   };
   for (const Other& o : {Other{Deposit::kTrilinear, Read::kTrilinear, Formulation::kA},
                          {Deposit::kExact, Read::kCell, Formulation::kB},
-                         {Deposit::kCube, Read::kFineTrilinear, Formulation::kB}}) {
+                         {Deposit::kCube, Read::kTrilinear, Formulation::kB}}) {
     const Flow f = through_bed(12.3e-3, 11.6e-3, o.deposit, o.read, o.form);
     report("deposit %d, read %d: U %.5f, Ergun %.5f m/s (%+.2f %%)\n", int(o.deposit), int(o.read), f.velocity,
            f.expected, 100 * (f.velocity / f.expected - 1));
