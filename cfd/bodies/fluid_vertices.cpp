@@ -1,20 +1,13 @@
 #include "cfd/bodies/fluid_vertices.h"
 
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
 
-#include "cfd/parallel/rank_0.h"
+#include "cfd/bodies/sentences.h"
 
 namespace twogrid {
 
 namespace {
-
-std::string words(const Vec3& x) {
-  std::ostringstream s;
-  s << "(" << x[0] << " " << x[1] << " " << x[2] << ")";
-  return s.str();
-}
 
 /// What is known of the parts, by all ranks.
 struct PartTable {
@@ -164,13 +157,6 @@ std::vector<bool> choose(const LocalGrid& g, const ConnectedParts& parts, PartTa
 
 }  // namespace
 
-void refuse_together(MPI_Comm comm, const std::string& sentence) {
-  const int none = ranks_of(comm);
-  int first = sentence.empty() ? none : rank_of(comm);
-  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
-  if (first < none) throw std::invalid_argument(from_rank(comm, first, sentence));
-}
-
 FluidVertices find_fluid(const LocalGrid& g, const Surfaces& surfaces, const CutEdges& edges) {
   const ConnectedParts parts(
       g, g.own_vertices, g.vertices, g.vertex_halo, [&](int i, int j, int k) { return !edges.on_surface(i, j, k); },
@@ -189,8 +175,10 @@ FluidVertices find_fluid(const LocalGrid& g, const Surfaces& surfaces, const Cut
   table.share(g.comm);
   const std::vector<bool> fluid = choose(g, parts, table);
   vertices.kind.reset(g.vertices, VertexKind::kSolid);
+  vertices.part.reset(g.vertices, -1);
+  vertices.parts = parts.count();
   for_each(g.vertices, [&](int i, int j, int k) {
-    const int part = parts.at(i, j, k);
+    const int part = vertices.part(i, j, k) = parts.at(i, j, k);
     if (part >= 0 && fluid[part]) vertices.kind(i, j, k) = VertexKind::kFluid;
     if (edges.on_surface(i, j, k)) vertices.kind(i, j, k) = VertexKind::kOnSurface;
   });
