@@ -16,6 +16,7 @@ CutReport cut_grid(MPI_Comm comm, const FineGrid& grid, const Layout& layout, co
   const CutEdges edges(local, surfaces);
   const FluidVertices vertices = find_fluid(local, surfaces, edges);
   CutReport report;
+  report.fluid_side = vertices.told_by;
   report.thin_edges = refuse_unresolved(local, surfaces, edges, vertices);
   const CutFaces faces(local, edges, vertices);
   FaceField<FineGrid> alpha;
