@@ -80,14 +80,15 @@ def conservation(bed, verdict):
 
 
 def momentum(bed, verdict, short):
-    """Vertical momentum of particles and gas over the time of the means, forces of the vessel's wall on both included:
+    """Vertical momentum of particles and gas over the time of the means, the forces of floor and vessel on the grains included:
     d(P_s + P_f) = integral of [ dp A + rho sum U^2 A (in) - rho sum <f u> A (out) + forces of walls - buoyant weight ] dt.
+    The friction of the gas on the vessel is left out: mu U/h over its area is some 5e-4 of the weight.
     The volume flux of both phases together is the same in every section, hence P_f = const - rho_f/rho_p P_s."""
     average = bed.file["average"]
     step = bed.mean[:, 0]
     window = (step[1] - step[0]) * DEM_STEP
     inside = (step - 0.5 * (step[1] - step[0])) * DEM_STEP > average.attrs["from"]
-    dp, floor, wall, gas_wall = (bed.mean[inside, q] for q in (1, 2, 3, 4))
+    dp, floor, wall = (bed.mean[inside, q] for q in (1, 2, 3))
     P = dict(zip(bed.now[:, 0], bed.now[:, 1]))
     begin, end = step[inside][0] - (step[1] - step[0]), step[inside][-1]
     T = inside.sum() * window
@@ -97,7 +98,7 @@ def momentum(bed, verdict, short):
     out = fine["flux"][-1, ..., 2] * fine["u"][-1, ..., 2] + fine["u_variance"][-1, ..., 2]
     inflow_momentum, outflow_momentum = bed.rho_f * bed.inflow**2 / SECTION, bed.rho_f * np.sum(out * area)
     forces = {"pressure": dp.mean() * SECTION, "in": inflow_momentum, "out": -outflow_momentum, "floor": floor.mean(),
-              "wall on grains": -wall.mean(), "wall on gas": -gas_wall.mean(), "weight": -bed.weight}
+              "wall on grains": -wall.mean(), "weight": -bed.weight}
     error = change / (bed.weight * T) - sum(forces.values()) / bed.weight
     verdict.note(f"per buoyant weight ({bed.weight:.4e} N, {bed.weight / SECTION:.1f} Pa), over {T:.2f} s: " +
                  ", ".join(f"{k} {v / bed.weight:+.4f}" for k, v in forces.items()) + f", change {change / (bed.weight * T):+.4f}")
