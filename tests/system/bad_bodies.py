@@ -68,9 +68,9 @@ WRONG = {
     "fluid_at cut short": (BALL, "solid a region ball fluid_at 0.1 0", "fluid_at", "three coordinates"),
     "both sides reach inlet and outlet": (MESH + "\n" + WALL.format(what="mesh n_meshes 1 meshes cad"), "solid a mesh cad", "fluid_at", dict(outside=True)),
     "a mesh that leaks": (MESH, "solid a mesh cad" + POINT, "body 'a'", "fluid on both sides"),
-    "no room left": ("region all block INF INF INF INF INF INF units box", "solid a region all", "no room"),
+    "no room left": ("region all block INF INF INF INF INF INF units box", "solid a region all", "body 'a'", "no edge"),
     "inlet walled up": ("region plug block INF INF INF INF INF 0.002 units box", "solid a region plug", "zlo", "cover"),
-    "outlet walled up": ("region plug block INF INF INF INF 0.016 INF units box", "solid a region plug", "zhi", "cover"),
+    "outlet walled up": ("region plug block INF INF INF INF 0.016 INF units box", "solid a region plug", "outlet"),
     "wall between inlet and outlet": ("region plug block INF INF INF INF 0.008 0.011 units box", "solid a region plug", "outlet"),
     "body outside the domain": ("region ball sphere 0.0085 0.0085 0.09 0.003 units box", "solid a region ball", "body 'a'", "outside"),
     "body thinner than a cell": ("region sheet block INF INF 0.0101 0.0103 0.004 0.012 units box", "solid a region sheet", "thinner than a cell"),
@@ -103,11 +103,13 @@ def main():
     right, _ = drop(mesh, "solid a mesh cad" + POINT, tube())
     for name, (before, modify, text) in {
             "inverted mesh": (mesh, "solid a mesh cad" + POINT, tube(inverted=True)),
-            "the same mesh and a region over each other": (mesh + "\n" + f"region tube cylinder z {C[0]} {C[1]} {R * 1.02} INF INF side out units box",
-                                                            "solid a mesh cad solid b region tube" + POINT, tube()),
+            "a mesh, and within its solid a region": (mesh + "\n" + f"region tube cylinder z {C[0]} {C[1]} {R * 1.3} INF INF side out units box",
+                                                      "solid a mesh cad solid b region tube" + POINT, tube()),
+            "a mesh, and a region less than a cell behind it": (mesh + "\n" + f"region tube cylinder z {C[0]} {C[1]} {R * 1.02} INF INF side out units box",
+                                                                "solid a mesh cad solid b region tube" + POINT, tube()),
     }.items():
         got, _ = drop(before, modify, text)
-        c.below(f"{name}: pressure drop against the right one, relative", abs(got / right - 1), 1e-6)
+        c.below(f"{name}: pressure drop against the right one, relative", abs(got / right - 1), 0.01 if "less than" in name else 1e-6)
     _, run = drop(mesh, "", tube())
     c.true("a wall that the fluid doesn't see: the line to add", "'fix_modify gas solid cad mesh cad'" in run.output)
     _, run = drop(MESH, "solid a mesh cad" + POINT, tube())
