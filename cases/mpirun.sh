@@ -28,10 +28,20 @@ tell() {
   kill -USR1 "$pid" 2>/dev/null || true
   [ -n "$reminder" ] || { remind </dev/null >/dev/null 2>&1 & reminder=$!; }
 }
+# mpirun may hang after a rank that is killed while it starts: it is ended once its ranks are dead for longer than it sleeps.
+mourn() {
+  alive= dead=0 bound=$((2 * ${TWOGRID_GRACE:-2} + 4))
+  while sleep 2 && kill -0 "$pid"; do
+    if ps -o stat= --ppid "$pid" | grep -qv '^Z'; then alive=1 dead=0; elif [ -n "$alive" ]; then dead=$((dead + 2)); fi
+    [ "$dead" -le "$bound" ] || kill -KILL "$pid"
+  done
+}
 trap 'asked=1; [ -z "$pid" ] || tell' TERM INT USR1
 $alone $launcher "$@" &
 pid=$!
 [ -z "$asked" ] || tell
+mourner=
+[ -n "${TWOGRID_LAUNCHER:-}" ] || ! command -v ps >/dev/null || { mourn </dev/null >/dev/null 2>&1 & mourner=$!; }
 code=0
 wait "$pid" || code=$?
 # wait also ends at a signal; then the launcher is still there.
@@ -39,5 +49,5 @@ while kill -0 "$pid" 2>/dev/null; do
   code=0
   wait "$pid" || code=$?
 done
-[ -z "$reminder" ] || kill "$reminder" 2>/dev/null || true
+for helper in $reminder $mourner; do kill "$helper" 2>/dev/null || true; done
 exit "$code"

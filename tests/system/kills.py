@@ -47,8 +47,9 @@ def start(executable, ranks, folder, *options):
     return subprocess.Popen([LAUNCH, str(ranks), os.path.abspath(executable), "-in", "in.test", *options], cwd=folder, stdout=log, stderr=subprocess.STDOUT, start_new_session=True)
 
 
-def ranks_of(launcher):
+def ranks_of(launcher, executable):
     """Processes of the program below the launcher."""
+    name = os.path.basename(executable)[:15]
     below, found = [launcher], []
     while below:
         out = subprocess.run(["pgrep", "-P", ",".join(map(str, below))], stdout=subprocess.PIPE, text=True).stdout.split()
@@ -56,7 +57,7 @@ def ranks_of(launcher):
         for p in below:
             try:
                 with open(f"/proc/{p}/comm") as f:
-                    found += [p] if f.read().strip() == "twogrid" else []
+                    found += [p] if f.read().strip() == name else []
             except OSError:
                 pass
     return found
@@ -131,7 +132,7 @@ def main():
     codes = go_on(executable, n, early)
     differ = same(undisturbed, state(early)) if codes[-1] == 0 else ["not at its end"]
     c.true(f"from {kept[0]}, between two couplings: codes {codes}, every bit{': but ' + ', '.join(differ[:4]) if differ else ''}", codes == [0] and not differ)
-    worst_wait = 0.0
+    worst_wait, killed = 0.0, 0
     kinds = ("SIGKILL", "signal")
     for kind in [k for k in kinds if "--" + k in sys.argv] or kinds:
         for i in range(moments):
@@ -142,10 +143,11 @@ def main():
             moment = (i + random.random()) / moments * 1.02 * length
             time.sleep(moment)
             number = signal.SIGKILL if kind == "SIGKILL" else (signal.SIGTERM, signal.SIGUSR1)[i % 2]
-            processes = ranks_of(p.pid)
+            processes = ranks_of(p.pid, executable)
             one = random.random() < 0.5 and processes
             sent = time.time()
             if kind == "SIGKILL":
+                killed += len(processes) > 0
                 for q in ([random.choice(processes)] if one else processes):
                     send(number, q)
             elif p.poll() is None:
@@ -163,6 +165,8 @@ def main():
                 t = state(folder) if not codes or codes[-1] == 0 else {"steps": [], "dump": ""}
                 c.true(f"{what}, file opens with {frames} frames; goes on with codes {codes}, {len(t['steps'])} frames, {t['dump'].count(chr(10)) - 9} particles",
                        code in (0, 128 + number, 128 + signal.SIGUSR1) + (() if processes else (1,)) and good and len(codes) <= 1 and t["steps"] == undisturbed["steps"] and t["dump"].count("\n") == undisturbed["dump"].count("\n"))
+    if "--signal" not in sys.argv:
+        c.true(f"SIGKILL met a rank {killed} times", killed >= moments // 2)
     c.below("longest time from a signal to the end (s)", worst_wait, 20)
     c.end()
 

@@ -112,6 +112,27 @@ def early_signal(c, work):
     c.true(f"a signal that the launcher loses is told again: code {p.wait(timeout=30)}", p.returncode == 138)
 
 
+def start_hanging(work):
+    """A launcher named mpirun whose rank is killed and who stays, as OpenMPI's may when that happens while it starts."""
+    tools = os.path.join(work, "hangs")
+    os.makedirs(tools)
+    with open(os.path.join(tools, "mpirun"), "w") as f:
+        f.write("#!/usr/bin/python3\nimport subprocess, time\nrank = subprocess.Popen(['sleep', '60'])\ntime.sleep(4)\nrank.kill()\ntime.sleep(60)\n")
+    os.chmod(os.path.join(tools, "mpirun"), 0o755)
+    env = {**os.environ, "PATH": tools + ":" + os.environ["PATH"], "TWOGRID_GRACE": "0"}
+    env.pop("TWOGRID_LAUNCHER", None)
+    return subprocess.Popen([os.path.join(TOP, "cases", "mpirun.sh"), "1", "program"], env=env)
+
+
+def hanging(c, p):
+    try:
+        code = p.wait(timeout=30)
+    except subprocess.TimeoutExpired:
+        p.kill()
+        code = None
+    c.true(f"a launcher that stays without its ranks is ended: code {code}", code == 137)
+
+
 def scripts(c, executable, work):
     """Every case has both; their own lines run to the program, with a launcher that only counts."""
     path = os.path.join(work, "count")
@@ -166,6 +187,7 @@ def main():
     os.environ.pop("TWOGRID_LAUNCHER", None)
     c = Checks("runs in legs")
     with tempfile.TemporaryDirectory(prefix="twogrid_legs_") as work:
+        hangs = start_hanging(work)
         for n in ranks:
             a_loop(c, os.path.abspath(executable), n, work)
         stops(c, ranks[-1], work)
@@ -174,6 +196,7 @@ def main():
         early_signal(c, work)
         scripts(c, os.path.abspath(executable), work)
         tables(c, work)
+        hanging(c, hangs)
     c.end()
 
 
