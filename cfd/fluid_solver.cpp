@@ -31,7 +31,8 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
       projection_(domain_, settings_),
       flow_rate_(domain_, settings_),
       means_(domain_),
-      monitors_(domain_, settings_) {
+      monitors_(domain_, settings_),
+      body_forces_(domain_, predictor_.cut_links()) {
   for (auto* f : {&state_.u, &state_.u_old, &u_tilde_, &u_next_, &state_.eps_f}) reset(*f, domain_.local);
   if (settings_.convection == Convection::kCentral) reset(state_.u_older, domain_.local);
   for (auto& level : state_.eps) level.reset(domain_.local, 1.0);
@@ -44,6 +45,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
   FluidReport report;
   if (exchange.replaced) replace_fluid(domain_, *eps.begin, exchange.same_flux, state_);
   means_.begin(state_);
+  body_forces_.begin();
   if (state_.largest_viscosity == 0) update_properties(state_.u);  // for the first step's length
   double done = 0;
   while (done < interval * (1 - 1e-12)) {
@@ -70,11 +72,15 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
     accept(step);
     means_.add(step.dt / interval, state_);
     monitors_.measure(state_, predictor_.inlet_head(), projection_.velocity_scale(), step.dt / interval, report);
+    if (body_forces_.any())
+      body_forces_.add(step.dt / interval, state_, properties_.viscosity, predictor_.lost_convection(),
+                       predictor_.lost_stress(), predictor_.sliver_drag());
     if (step.implicit_viscosity) projection_.rotate_pressure(properties_.viscosity, state_);
     for (auto& model : models_) model->step(domain_, step, state_);
     done += step.dt;
     if (after_step_ && done < interval * (1 - 1e-12)) after_step_(report.steps, done / interval);
   }
+  body_forces_.end();
   return report;
 }
 
@@ -128,6 +134,7 @@ FluidReport FluidSolver::advance_and_check(double interval, const VoidFractionIn
   FluidState begin = state_;
   FluidReport report = advance(interval, eps, exchange);
   FluidState end = std::move(state_);
+  const std::vector<BodyForce> forces = body_forces_.forces();
   state_ = std::move(begin);
   const double dt = settings_.dt;
   settings_.dt = 0.5 * interval / report.steps;
@@ -135,6 +142,7 @@ FluidReport FluidSolver::advance_and_check(double interval, const VoidFractionIn
   settings_.dt = dt;
   report.step_error = monitors_.difference(state_, end);
   state_ = std::move(end);
+  body_forces_.restore(forces);
   means_.keep_pressure_gradient = kept;
   if (!kept) state_.mean_grad_p = {};
   return report;

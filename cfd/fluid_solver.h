@@ -29,6 +29,7 @@
 #include <string>
 #include <vector>
 
+#include "cfd/bodies/body_forces.h"
 #include "cfd/fluid/domain.h"
 #include "cfd/fluid/flow_rate.h"
 #include "cfd/fluid/fluid.h"
@@ -63,8 +64,6 @@ class FluidSolver : public Fluid {
     if (domain_.measures.open()) return state_.eps_open;
     return state_.eps[0];
   }
-  /// What is said of the bodies in the grid; null without bodies.
-  const CutReport* cut() const { return domain_.cut(); }
   const OpenShares* open_shares() const override { return domain_.measures.open(); }
   double time() const override { return state_.time; }
   bool knows_last_step() const override { return true; }
@@ -92,6 +91,8 @@ class FluidSolver : public Fluid {
   /// FluidState::fields.
   int add_field(const std::string& name, const std::string& unit, double value);
   const std::vector<ModelField>& model_fields() const override { return state_.fields; }
+  /// Forces on the bodies (FluidSettings::bodies), means over the last interval; empty where there are none.
+  const std::vector<BodyForce>& body_forces() const { return body_forces_.forces(); }
   /// What another model gives it, such as a heat source of the particles.
   CellField<FineGrid>& model_field(int place) { return state_.fields[place].values; }
 
@@ -134,6 +135,7 @@ class FluidSolver : public Fluid {
   FlowRate flow_rate_;
   IntervalMeans means_;
   Monitors monitors_;
+  BodyForces body_forces_;
 
   // Work. Fields that are never needed at the same time share memory. Doubles a cell, H: on own cells and the halo, else
   // on own cells:

@@ -1,5 +1,8 @@
 #include "cfd/fluid/predictor.h"
 
+#include <cmath>
+#include <utility>
+
 #include "cfd/measures/row_measures.h"
 #include "cfd/momentum/viscous_solver.h"
 #include "cfd/parallel/vectorised.h"
@@ -26,7 +29,16 @@ Predictor::Predictor(FluidDomain& domain, const FluidSettings& settings)
       convection_(domain.grid, domain.measures, domain.own, domain.local, domain.faces, domain.solved),
       viscous_(domain.measures, domain.own, domain.local, domain.faces, domain.solved),
       row_inertia_(domain.local.size(0)),
-      row_made_(domain.local.size(0)) {}
+      row_made_(domain.local.size(0)) {
+  const OpenShares* open = domain.measures.open();
+  for (int d = 0; open && d < 3; ++d)
+    for_each(domain.faces[d], [&](int i, int j, int k) {
+      std::vector<double>& list = sliver_inverse_width_[d];
+      const std::vector<std::ptrdiff_t>& faces = open->without_convection(d);
+      if (list.size() < faces.size() && faces[list.size()] == open->theta().index(i, j, k))
+        list.push_back(1 / domain.measures.axis(d).face_width(Int3{i, j, k}[d]));
+    });
+}
 
 Predictor::~Predictor() = default;
 
@@ -112,12 +124,13 @@ TWOGRID_VECTORISED void Predictor::predict_rows(const FluidState& state, const S
   if (domain_.solved[2]) predict_component<2>(state, step, exchange, rhs, u_next);
 }
 
-/// mu K' of faces: the friction of bodies' walls.
-void Predictor::set_wall_friction(const Property& mu) {
+/// mu K' of faces: the friction of bodies' walls. Slivers, which no convection slows, have the drag 1/2 rho u^2 of their
+/// open part besides, and so never go faster than the pressure of a cell could drive them.
+void Predictor::set_wall_friction(const Property& mu, const FaceField<FineGrid>& u_tilde) {
   const OpenShares* open = domain_.measures.open();
-  if (!open || !open->has_friction()) return;
+  if (!open || !(open->has_friction() || open->has_links())) return;
   if (friction_[0].size() == 0) reset(friction_, domain_.local);
-  for (int d = 0; d < 3; ++d) {
+  for (int d = 0; d < 3 && open->has_friction(); ++d) {
     const auto set = [&](const auto& mu_at) {
       for_each(domain_.faces[d], [&](int i, int j, int k) {
         const std::ptrdiff_t m = friction_[d].index(i, j, k);
@@ -132,7 +145,27 @@ void Predictor::set_wall_friction(const Property& mu) {
       set([number = mu.number](std::ptrdiff_t) { return number; });
     }
   }
+  for (int d = 0; d < 3; ++d) {
+    const std::vector<std::ptrdiff_t>& faces = open->without_convection(d);
+    sliver_drag_[d].assign(faces.size(), 0.0);
+    if (settings_.convection == Convection::kNone) continue;
+    for (std::size_t q = 0; q < faces.size(); ++q) {
+      const std::ptrdiff_t m = faces[q];
+      if (!open->sliver(d, m)) continue;
+      sliver_drag_[d][q] = 0.5 * settings_.density * std::abs(u_tilde[d].data()[m]) * sliver_inverse_width_[d][q];
+      friction_[d].data()[m] = (open->has_friction() ? friction_[d].data()[m] : 0.0) + sliver_drag_[d][q];
+    }
+  }
   inertia_.friction = &friction_;
+}
+
+/// Slivers flow by pressure and friction alone; what is carried to them and to closed faces is the bodies'.
+void Predictor::lose_convection(FaceField<FineGrid>& rhs) {
+  for (int d = 0; d < 3; ++d) {
+    const std::vector<std::ptrdiff_t>& faces = domain_.measures.open()->without_convection(d);
+    lost_convection_[d].resize(faces.size());
+    for (std::size_t q = 0; q < faces.size(); ++q) lost_convection_[d][q] = std::exchange(rhs[d].data()[faces[q]], 0.0);
+  }
 }
 
 const Inertia& Predictor::predict(FluidState& state, const Step& step, const FluidProperties& properties,
@@ -145,8 +178,10 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
   FaceField<FineGrid>& rhs = implicit ? rhs_ : u_next;
   for (auto& c : rhs) c.fill(0);
   convection_.add(rho, state.eps_f, u_tilde, settings_.convection, rhs);
+  if (domain_.measures.open()) lose_convection(rhs);
   measure_inlet_head(state, u_tilde);
   if (viscous && !step.implicit_viscosity) viscous_.add(mu, state.eps[0], u_tilde, rhs);
+  if (viscous_.cut() && !step.implicit_viscosity) viscous_.cut()->left_out(mu, state.eps[0], u_tilde, lost_stress_);
   domain_.boundaries.set_outlet_pressure(u_tilde, rho);
   domain_.boundaries.apply_pressure(state.p);
 
@@ -155,7 +190,7 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
   for (int d = 0; gap && d < 3; ++d)
     if (!domain_.solved[d]) friction = 12 * mu.number / (domain_.grid.axis[d].length() * domain_.grid.axis[d].length());
   inertia_.per_eps = rho * step.a0 / step.dt + friction;
-  set_wall_friction(mu);
+  set_wall_friction(mu, u_tilde);
   predict_rows(state, step, exchange, rhs, u_next);
   for (int d = 0; d < 3; ++d)
     if (!domain_.solved[d]) u_next[d].fill(0);
@@ -165,6 +200,10 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
       viscous_solver_ = std::make_unique<ViscousSolver>(domain_.comm, domain_.boundaries, domain_.measures, viscous_,
                                                         domain_.faces, domain_.local, domain_.face_halo);
     viscous_solver_->solve(mu, state.eps[0], inertia_field_, rhs_, u_next);
+    if (viscous_.cut()) {
+      domain_.fill(u_next);
+      viscous_.cut()->left_out(mu, state.eps[0], u_next, lost_stress_);
+    }
   }
   return inertia_;
 }

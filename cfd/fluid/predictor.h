@@ -1,6 +1,7 @@
 // Steps (1) and (2) of the scheme (fluid_solver.h): u~ and u*.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -30,9 +31,17 @@ class Predictor {
                          const Interphase& exchange, const FaceField<FineGrid>& u_tilde, FaceField<FineGrid>& u_next);
   /// Of own inlet faces: momentum flux through the first cells' centres less that entering, N.
   double inlet_head() const { return inlet_head_; }
+  /// What convection brought to the faces that take no part in it (OpenShares::without_convection, in its order), N.
+  const std::array<std::vector<double>, 3>& lost_convection() const { return lost_convection_; }
+  /// Null where nothing is cut; and its left_out() in the step.
+  const CutLinks* cut_links() const { return viscous_.cut(); }
+  const std::array<std::vector<double>, 3>& lost_stress() const { return lost_stress_; }
+  /// Of the faces of OpenShares::without_convection: drag for want of convection (kg/(m3 s), per inertia share).
+  const std::array<std::vector<double>, 3>& sliver_drag() const { return sliver_drag_; }
 
  private:
-  void set_wall_friction(const Property& mu);
+  void set_wall_friction(const Property& mu, const FaceField<FineGrid>& u_tilde);
+  void lose_convection(FaceField<FineGrid>& rhs);
   void measure_inlet_head(const FluidState& state, const FaceField<FineGrid>& u_tilde);
   void predict_rows(const FluidState& state, const Step& step, const Interphase& exchange, FaceField<FineGrid>& rhs,
                     FaceField<FineGrid>& u_next);
@@ -46,7 +55,9 @@ class Predictor {
   ViscousTerm viscous_;
   Inertia inertia_;
   double inlet_head_ = 0;
-  FaceField<FineGrid> friction_;  // mu K', only where bodies' walls have friction
+  std::array<std::vector<double>, 3> lost_convection_, lost_stress_, sliver_drag_;
+  std::array<std::vector<double>, 3> sliver_inverse_width_;  // of the same faces (1/m)
+  FaceField<FineGrid> friction_;                             // mu K' and slivers' drag, only where bodies are
   std::vector<double> row_inertia_, row_made_;
   // Implicit viscosity; made when first needed.
   std::unique_ptr<ViscousSolver> viscous_solver_;

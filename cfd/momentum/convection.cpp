@@ -58,6 +58,29 @@ ConvectionTerm::ConvectionTerm(const FineGrid& grid, const GridMeasures& measure
       n_(grid.n()) {
   const std::size_t row = local.size(0);
   side_[0].resize(row), side_[1].resize(2 * row), side_[2].resize(2 * row * local.size(1));
+  if (measures.open() && measures.open()->has_links()) list_cut_sides(*measures.open());
+}
+
+void ConvectionTerm::list_cut_sides(const OpenShares& open) {
+  const auto& theta = open.theta();
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d) {
+      if (!solved_[c] || !solved_[d] || faces_[c].empty()) continue;
+      const std::ptrdiff_t s = theta.stride(d);
+      Box upper = faces_[c];
+      ++upper.hi[d];
+      const int last = c == d ? n_[d] : n_[d] - 1;
+      for_each(upper, [&](int i, int j, int k) {
+        const Int3 x{i, j, k};
+        if (!periodic_[d] && (x[d] < 1 || x[d] > last)) return;
+        const std::ptrdiff_t m = theta.index(i, j, k);
+        const auto cut = [&](std::ptrdiff_t lower) {
+          return !(open.alpha(c, lower) > 0 && open.alpha(c, lower + s) > 0 && open.linked(c, d, lower));
+        };
+        const CutSide side{x, cut(m - 2 * s), cut(m - s), m + s < std::ptrdiff_t(theta.size()) && cut(m)};
+        if (side.below || side.between || side.above) cut_sides_[c][d].push_back(side);
+      });
+    }
 }
 
 struct ConvectionTerm::Convected {
@@ -176,9 +199,15 @@ void ConvectionTerm::add(double rho, const FaceField<FineGrid>& eps_f, const Fac
   if (scheme == Convection::kNone || own_.empty()) return;
   const Convected a{rho, eps_f, u};
   if (scheme == Convection::kVanLeer)
-    convect_limited(a, out);
+    convect_limited(a, out), centre_cut_sides(a, out);
   else
     convect_central(a, out);
+}
+
+void ConvectionTerm::centre_cut_sides(const Convected& a, FaceField<FineGrid>& out) const {
+  centre_cut_sides<0, 0>(a, out[0]), centre_cut_sides<0, 1>(a, out[0]), centre_cut_sides<0, 2>(a, out[0]);
+  centre_cut_sides<1, 0>(a, out[1]), centre_cut_sides<1, 1>(a, out[1]), centre_cut_sides<1, 2>(a, out[1]);
+  centre_cut_sides<2, 0>(a, out[2]), centre_cut_sides<2, 1>(a, out[2]), centre_cut_sides<2, 2>(a, out[2]);
 }
 
 TWOGRID_VECTORISED void ConvectionTerm::convect_limited(const Convected& a, FaceField<FineGrid>& out) {
@@ -191,6 +220,24 @@ TWOGRID_VECTORISED void ConvectionTerm::convect_central(const Convected& a, Face
   if (solved_[0]) convect_component<0, false>(a, out[0]);
   if (solved_[1]) convect_component<1, false>(a, out[1]);
   if (solved_[2]) convect_component<2, false>(a, out[2]);
+}
+
+/// Where the limiter would compare a slope with one to a wall, or through one, the mean of the two faces is taken.
+template <int c, int d>
+void ConvectionTerm::centre_cut_sides(const Convected& a, Array3<double>& out) const {
+  const std::ptrdiff_t s = out.stride(d), sc = out.stride(c);
+  const double *e = a.eps_f[d].data(), *v = a.u[d].data();
+  for (const CutSide& side : cut_sides_[c][d]) {
+    const Int3& x = side.upper;
+    const std::ptrdiff_t m = out.index(x[0], x[1], x[2]), other = c == d ? s : sc;
+    const bool up = e[m - other] * v[m - other] + e[m] * v[m] >= 0;
+    if (!side.between && !(up ? side.below : side.above)) continue;
+    double limited, central;
+    side_row<c, d, true>(a, x[0], x[1], x[2], 1, &limited);
+    side_row<c, d, false>(a, x[0], x[1], x[2], 1, &central);
+    out.data()[m] += central - limited;
+    out.data()[m - s] -= central - limited;
+  }
 }
 
 double ConvectionTerm::convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& eps_f,

@@ -34,6 +34,10 @@ class ConvectionTerm {
   void convect_component(const Convected& a, Array3<double>& out);
   void convect_limited(const Convected& a, FaceField<FineGrid>& out);
   void convect_central(const Convected& a, FaceField<FineGrid>& out);
+  void list_cut_sides(const OpenShares& open);
+  void centre_cut_sides(const Convected& a, FaceField<FineGrid>& out) const;
+  template <int c, int d>
+  void centre_cut_sides(const Convected& a, Array3<double>& out) const;
 
   Box own_, local_;
   std::array<Box, 3> faces_;
@@ -41,6 +45,12 @@ class ConvectionTerm {
   std::array<AxisMeasure, 3> axis_;
   std::array<bool, 3> periodic_;
   Int3 n_;
+  /// A side of a volume whose limiter would look at a wall: beyond the upper or the lower face, or between them.
+  struct CutSide {
+    Int3 upper;
+    bool below, between, above;
+  };
+  std::array<std::array<std::vector<CutSide>, 3>, 3> cut_sides_;  // of component c, normal to d
   std::array<std::vector<double>, 3> side_;  // scratch: fluxes through the sides of a row, two rows, two slabs
 };
 

@@ -1,8 +1,10 @@
 // Viscous links beside the walls of bodies: where a stress of viscous_stress.h would touch a cut face, each pair of
 // neighbouring faces of one component that no wall parts has instead
 //   mu eps a A/h (u_g - u_f)        a: mean open share of the area between them; eps: of the open space
-// the same force on both, of opposite sign. (The transposed gradients of tau are left out here: at a wall at rest they
-// have no part in the force on it.) What a wall parts is friction (open_shares.h).
+// the same force on both, of opposite sign. The transposed gradients of tau, which links don't have, sum up to nothing
+// over a whole volume where mu and eps are uniform, but not over a part of its sides: faces with such links go without
+// them on their other sides, too. Of the force on a wall at rest they are no part; what the fluid so loses all in all is
+// counted. What a wall parts is friction (open_shares.h).
 #pragma once
 
 #include <array>
@@ -24,6 +26,10 @@ class CutLinks {
   /// out += the links' forces on own faces, N; e: theta eps; u with halo and ghosts.
   void add(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u,
            FaceField<FineGrid>& out) const;
+  /// Own faces that go without transposed gradients; of each, what it would have of them, N.
+  const std::vector<std::ptrdiff_t>& faces(int c) const { return faces_[c]; }
+  void left_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u,
+                std::array<std::vector<double>, 3>& force) const;
   /// diagonal += that of -add(), N s/m.
   void add_diagonal(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& diagonal) const;
 
@@ -32,12 +38,23 @@ class CutLinks {
     std::ptrdiff_t lower;  // memory index of the lower face
     double conductance;    // a A/h over the sum of theta of the cells around (m)
   };
+  struct Transposed {
+    int slot;           // of the face
+    std::ptrdiff_t at;  // edge's or cell's memory index
+    double factor;      // area, of the sign of the side, over the sum of theta around; on edges over the distance, too
+    Vec3 inverse;       // of the cell's widths (1/m); not used on edges
+  };
+  void list_transposed(int c, const Box& faces, const std::array<bool, 3>& solved);
+  template <class F>
+  void for_each_transposed(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u, F&& f) const;
   template <class F>
   void for_each_link(const Property& mu, const CellField<FineGrid>& e, F&& f) const;
   double aperture(int c, int d, std::ptrdiff_t lower, const Int3& x) const;
 
   const GridMeasures& measures_;
-  std::array<std::array<std::vector<Link>, 3>, 3> links_;  // of component c, along d
+  std::array<std::array<std::vector<Link>, 3>, 3> links_;             // of component c, along d
+  std::array<std::array<std::vector<Transposed>, 3>, 3> transposed_;  // the same
+  std::array<std::vector<std::ptrdiff_t>, 3> faces_;
 };
 
 }  // namespace twogrid

@@ -169,26 +169,34 @@ void ViscousTerm::add(const Property& mu, const CellField<FineGrid>& eps, const 
   if (cut_) cut_->add(mu, eps, u, out);
 }
 
+/// Of the diagonal over the face's volume and mu eps: the part of stresses that are left out beside a body.
+double ViscousTerm::cut_share(int c, const Int3& x, std::ptrdiff_t m) const {
+  const OpenShares& open = *measures_.open();
+  double sum = 0;
+  for (bool up : {false, true}) {
+    if (open.cell().data()[up ? m : m - open.cell().stride(c)] == 0)
+      sum += 4.0 / 3.0 / axis_[c].width(x[c] - !up) / axis_[c].face_width(x[c]);
+    for (int d : {(c + 1) % 3, (c + 2) % 3})
+      if (open.edge(3 - c - d).data()[up ? m + open.cell().stride(d) : m] == 0)
+        sum += 1 / axis_[d].face_width(x[d] + up) / axis_[d].width(x[d]);
+  }
+  return sum;
+}
+
 template <class Mu>
 inline void ViscousTerm::diagonal_with(const Mu& mu, const CellField<FineGrid>& eps,
                                        FaceField<FineGrid>& diagonal) const {
   if (own_.empty()) return;
   const std::array<std::ptrdiff_t, 3> s{eps.stride(0), eps.stride(1), eps.stride(2)};
-  const OpenShares* open = measures_.open();
   for (int c = 0; c < 3; ++c)
     for_each(faces_[c], [&](int i, int j, int k) {
       const Int3 x{i, j, k};
       const std::ptrdiff_t m = eps.index(i, j, k);
       const double mean = 0.5 * (eps.data()[m] + eps.data()[m - s[c]]);
-      // Of the stresses in the cells and on the edges around those that are there.
-      const auto in_cell = [&](std::ptrdiff_t at) { return cut_ && open->cell().data()[at] == 0 ? 0.0 : 1.0; };
-      const auto on_edge = [&](int t, std::ptrdiff_t at) { return cut_ && open->edge(t).data()[at] == 0 ? 0.0 : 1.0; };
-      double sum = 4.0 / 3.0 * (in_cell(m - s[c]) / axis_[c].width(x[c] - 1) + in_cell(m) / axis_[c].width(x[c])) /
-                   axis_[c].face_width(x[c]);
+      double sum = 4.0 / 3.0 * (1 / axis_[c].width(x[c] - 1) + 1 / axis_[c].width(x[c])) / axis_[c].face_width(x[c]);
       for (int d : {(c + 1) % 3, (c + 2) % 3})
-        sum += (on_edge(3 - c - d, m) / axis_[d].face_width(x[d]) +
-                on_edge(3 - c - d, m + s[d]) / axis_[d].face_width(x[d] + 1)) /
-               axis_[d].width(x[d]);
+        sum += (1 / axis_[d].face_width(x[d]) + 1 / axis_[d].face_width(x[d] + 1)) / axis_[d].width(x[d]);
+      if (cut_) sum -= cut_share(c, x, m);
       diagonal[c].data()[m] = mu.on_face(m, s[c]) * mean * sum * measures_.volume(c, i, j, k);
     });
 }

@@ -24,6 +24,8 @@ class ViscousTerm {
   /// Where mu varies it is, on edges, the harmonic mean of the four cells by volume: the stress is then right at a jump
   /// across cells, as conductors in series are. eps and mu on the same box, halo and ghosts filled.
   void add(const Property& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
+  /// Beside bodies; null: nothing is cut.
+  const CutLinks* cut() const { return cut_.get(); }
   /// Diagonal of -add(), approximately (for Jacobi), N s/m.
   void diagonal(const Property& mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
 
@@ -38,6 +40,7 @@ class ViscousTerm {
   void add_with(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
   template <class Mu>
   void diagonal_with(const Mu& mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
+  double cut_share(int c, const Int3& x, std::ptrdiff_t m) const;
   template <class Mu>
   void normal_stresses(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k);
   template <int t, class Mu>
@@ -56,7 +59,7 @@ class ViscousTerm {
   std::array<Slab, 3> normal_, shear_;
   Slab normal_below_;
   std::array<Slab, 2> shear_above_;
-  std::unique_ptr<const CutLinks> cut_;  // null: nothing is cut
+  std::unique_ptr<const CutLinks> cut_;
 };
 
 }  // namespace twogrid

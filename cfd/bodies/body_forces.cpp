@@ -1,0 +1,180 @@
+#include "cfd/bodies/body_forces.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace twogrid {
+
+namespace {
+
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+}  // namespace
+
+Vec3 BodyForce::torque_about(const Vec3& point) const {
+  const Vec3 turn = cross({centre[0] - point[0], centre[1] - point[1], centre[2] - point[2]}, force());
+  return {torque[0] + turn[0], torque[1] + turn[1], torque[2] + turn[2]};
+}
+
+BodyForces::BodyForces(const FluidDomain& domain, const CutLinks* cut) : domain_(domain) {
+  const OpenShares* open = domain.measures.open();
+  if (!open) return;
+  int bodies = 0;
+  for (const WallPiece& p : open->pieces()) bodies = std::max(bodies, p.body + 1);
+  for (const WallCell& w : open->surface()) bodies = std::max(bodies, w.body + 1);
+  MPI_Allreduce(MPI_IN_PLACE, &bodies, 1, MPI_INT, MPI_MAX, domain.comm);
+  if (bodies == 0) return;
+  force_.resize(bodies);
+  find_centres(*open);
+  find_walls(*open);
+  for (const WallPiece& p : open->pieces()) {
+    const std::ptrdiff_t m = open->theta().index(p.face[0], p.face[1], p.face[2]);
+    const Vec3& centre = force_[p.body].centre;
+    if (domain.boundaries.state(p.component).data()[m] == FaceState::kSolved &&
+        open->theta_f()[p.component].data()[m] > 0)
+      pieces_.push_back({m,
+                         p.body,
+                         p.component,
+                         p.conductance / open->theta_f()[p.component].data()[m],
+                         {p.point[0] - centre[0], p.point[1] - centre[1], p.point[2] - centre[2]}});
+  }
+  list_cells(*open);
+  for (int c = 0; c < 3; ++c) {
+    const std::vector<std::ptrdiff_t>& faces = open->without_convection(c);
+    convection_to_[c] = bodies_near(c, faces);
+    for_each(domain.faces[c], [&](int i, int j, int k) {
+      const std::size_t q = volume_[c].size();
+      if (q < faces.size() && body_.index(i, j, k) == faces[q])
+        volume_[c].push_back(domain.measures.volume(c, i, j, k));
+    });
+    if (cut) stress_to_[c] = bodies_near(c, cut->faces(c));
+  }
+  body_ = {};
+  for (auto& w : wall_) w = {};
+}
+
+void BodyForces::find_walls(const OpenShares& open) {
+  body_.reset(domain_.local, -1.0);
+  for (auto& w : wall_) w.reset(domain_.local);
+  for (const WallCell& w : open.surface()) {
+    body_(w.cell[0], w.cell[1], w.cell[2]) = w.body;
+    for (int d = 0; d < 3; ++d) wall_[d](w.cell[0], w.cell[1], w.cell[2]) = w.point[d];
+  }
+  domain_.fill(body_);
+  for (auto& w : wall_) domain_.fill(w);
+}
+
+/// Mean of the surfaces' points by area.
+void BodyForces::find_centres(const OpenShares& open) {
+  std::vector<double> sum(4 * force_.size(), 0.0);
+  for (const WallCell& w : open.surface()) {
+    const double A = std::sqrt(w.area[0] * w.area[0] + w.area[1] * w.area[1] + w.area[2] * w.area[2]);
+    for (int d = 0; d < 3; ++d) sum[4 * w.body + d] += A * w.point[d];
+    sum[4 * w.body + 3] += A;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), int(sum.size()), MPI_DOUBLE, MPI_SUM, domain_.comm);
+  for (std::size_t b = 0; b < force_.size(); ++b)
+    for (int d = 0; d < 3 && sum[4 * b + 3] > 0; ++d) force_[b].centre[d] = sum[4 * b + d] / sum[4 * b + 3];
+}
+
+void BodyForces::list_cells(const OpenShares& open) {
+  for_each(domain_.own, [&](int i, int j, int k) {
+    const Int3 x{i, j, k};
+    const std::ptrdiff_t m = open.theta().index(i, j, k);
+    Vec3 area{0, 0, 0};
+    for (int d = 0; d < 3; ++d) {
+      if (!domain_.solved[d]) continue;
+      const auto share = [&](std::ptrdiff_t face) {
+        return domain_.boundaries.state(d).data()[face] == FaceState::kSolved ? open.theta_f()[d].data()[face]
+                                                                              : open.alpha(d, face);
+      };
+      area[d] = (share(m) - share(m + open.theta().stride(d))) * domain_.measures.area(d, i, j, k);
+    }
+    if (area[0] != 0 || area[1] != 0 || area[2] != 0) pressed_.push_back({m, body_near(-1, x), area});
+  });
+  for (const WallCell& w : open.surface()) {
+    const Vec3& centre = force_[w.body].centre;
+    const Vec3 arm{w.point[0] - centre[0], w.point[1] - centre[1], w.point[2] - centre[2]};
+    walls_.push_back({open.theta().index(w.cell[0], w.cell[1], w.cell[2]), w.body,
+                      cross(arm, {-w.area[0], -w.area[1], -w.area[2]})});
+  }
+}
+
+/// Body whose surface is nearest to a face of the component, or (-1) to a cell, as the cells around hold points of it.
+int BodyForces::body_near(int component, const Int3& x) const {
+  Box around;
+  for (int d = 0; d < 3; ++d) around.lo[d] = x[d] - 2, around.hi[d] = x[d] + 3;
+  double least = -1;
+  int nearest = 0;
+  for_each(intersect(around, body_.box()), [&](int i, int j, int k) {
+    if (!(body_(i, j, k) >= 0)) return;
+    double far = 0;
+    for (int d = 0; d < 3; ++d) {
+      const Axis& axis = domain_.grid.axis[d];
+      double way = wall_[d](i, j, k) - (d == component ? axis.node(x[d]) : axis.centre(x[d]));
+      if (axis.periodic()) way -= axis.length() * std::round(way / axis.length());
+      far += way * way;
+    }
+    if (least < 0 || far < least) least = far, nearest = int(body_(i, j, k));
+  });
+  return nearest;
+}
+
+/// Of own faces of a component by memory index, ascending.
+std::vector<int> BodyForces::bodies_near(int c, const std::vector<std::ptrdiff_t>& faces) const {
+  std::vector<int> bodies;
+  for_each(domain_.faces[c], [&](int i, int j, int k) {
+    if (bodies.size() < faces.size() && body_.index(i, j, k) == faces[bodies.size()])
+      bodies.push_back(body_near(c, {i, j, k}));
+  });
+  return bodies;
+}
+
+void BodyForces::begin() {
+  for (BodyForce& f : force_) f.friction = f.pressure = f.convection = f.torque = {0, 0, 0};
+}
+
+void BodyForces::add(double share, const FluidState& state, const Property& mu, const Lost& convection,
+                     const Lost& stress, const Lost& drag) {
+  const double* cell_mu = mu.varies() ? mu.field().data() : nullptr;
+  for (const Piece& p : pieces_) {
+    const double viscosity =
+        cell_mu ? 0.5 * (cell_mu[p.face] + cell_mu[p.face - state.p.stride(p.component)]) : mu.number;
+    const double F =
+        share * viscosity * p.conductance * state.i_f[p.component].data()[p.face] * state.u[p.component].data()[p.face];
+    BodyForce& f = force_[p.body];
+    f.friction[p.component] += F;
+    const int e = (p.component + 1) % 3, g = (p.component + 2) % 3;
+    f.torque[e] += p.arm[g] * F, f.torque[g] -= p.arm[e] * F;
+  }
+  for (const Pressed& c : pressed_)
+    for (int d = 0; d < 3; ++d) force_[c.body].pressure[d] += share * state.p.data()[c.cell] * c.area[d];
+  for (const Wall& w : walls_)
+    for (int d = 0; d < 3; ++d) force_[w.body].torque[d] += share * state.p.data()[w.cell] * w.turning[d];
+  for (int c = 0; c < 3; ++c) {
+    for (std::size_t q = 0; q < convection[c].size(); ++q)
+      force_[convection_to_[c][q]].convection[c] += share * convection[c][q];
+    const std::vector<std::ptrdiff_t>& faces = domain_.measures.open()->without_convection(c);
+    for (std::size_t q = 0; q < drag[c].size(); ++q)
+      force_[convection_to_[c][q]].convection[c] +=
+          share * drag[c][q] * state.i_f[c].data()[faces[q]] * volume_[c][q] * state.u[c].data()[faces[q]];
+    for (std::size_t q = 0; q < stress[c].size(); ++q) force_[stress_to_[c][q]].friction[c] += share * stress[c][q];
+  }
+}
+
+void BodyForces::end() {
+  std::vector<double> sum;
+  for (const BodyForce& f : force_)
+    for (const Vec3* v : {&f.friction, &f.pressure, &f.convection, &f.torque})
+      sum.insert(sum.end(), v->begin(), v->end());
+  if (sum.empty()) return;
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), int(sum.size()), MPI_DOUBLE, MPI_SUM, domain_.comm);
+  const double* s = sum.data();
+  for (BodyForce& f : force_)
+    for (Vec3* v : {&f.friction, &f.pressure, &f.convection, &f.torque})
+      for (double& x : *v) x = *s++;
+}
+
+}  // namespace twogrid

@@ -1,0 +1,91 @@
+// Forces of the fluid on the bodies in its grid, by what the fluid loses to them, so that fluid, bodies and sides of the
+// domain together keep momentum to the last bits:
+//   friction    of the pieces of the surfaces (open_shares.h), and the stress that faces beside them go without
+//               (momentum/cut_links.h)
+//   pressure    p A (s_below - s_above) of a cell, for each direction; s: theta_f of a solved face, 0 of a closed one, the
+//               open share of a side's
+//   convection  momentum carried to closed faces and slivers, which have no convection of their own, and the drag that
+//               slivers have instead
+// The pressure is the dynamic one: hydrostatic buoyancy, and that of an imposed mean gradient G (-G times the body's
+// volume), are not in it. Torque: friction at the pieces, pressure on the surface's cells.
+#pragma once
+
+#include <vector>
+
+#include "cfd/fluid/domain.h"
+#include "cfd/fluid/fluid_state.h"
+#include "cfd/grid/property.h"
+#include "cfd/momentum/cut_links.h"
+
+namespace twogrid {
+
+struct BodyForce {
+  Vec3 friction{0, 0, 0}, pressure{0, 0, 0}, convection{0, 0, 0};  ///< on the body (N)
+  Vec3 centre{0, 0, 0};                                            ///< of its surface in the fluid (m)
+  Vec3 torque{0, 0, 0};                                            ///< about the centre (N m)
+  Vec3 force() const {
+    Vec3 sum;
+    for (int d = 0; d < 3; ++d) sum[d] = friction[d] + pressure[d] + convection[d];
+    return sum;
+  }
+  /// Torque about another point.
+  Vec3 torque_about(const Vec3& point) const;
+};
+
+class BodyForces {
+ public:
+  /// Collective. cut: null where nothing is.
+  BodyForces(const FluidDomain& domain, const CutLinks* cut);
+
+  bool any() const { return !force_.empty(); }
+  /// Of the interval that begins.
+  void begin();
+  /// Forces on faces, in the order of a list of them (N).
+  using Lost = std::array<std::vector<double>, 3>;
+  /// Adds a step's share of the interval: the state is the step's, its p what the fluid felt; convection: to the faces of
+  /// OpenShares::without_convection; stress: what those of CutLinks::faces go without; drag: the former's coefficients,
+  /// per inertia share (kg/(m3 s)).
+  void add(double share, const FluidState& state, const Property& mu, const Lost& convection, const Lost& stress,
+           const Lost& drag);
+  /// Sums over ranks. Collective.
+  void end();
+  /// Means over the last interval, the same on all ranks.
+  const std::vector<BodyForce>& forces() const { return force_; }
+  /// Those of another interval, as forces() gave them.
+  void restore(const std::vector<BodyForce>& forces) { force_ = forces; }
+
+ private:
+  struct Piece {
+    std::ptrdiff_t face;
+    int body, component;
+    double conductance;  // over theta_f (m)
+    Vec3 arm;            // from the body's centre (m)
+  };
+  struct Pressed {
+    std::ptrdiff_t cell;
+    int body;
+    Vec3 area;  // A (s_below - s_above) (m2)
+  };
+  struct Wall {
+    std::ptrdiff_t cell;
+    int body;
+    Vec3 turning;  // arm x area into the body (m3)
+  };
+  void find_centres(const OpenShares& open);
+  void list_cells(const OpenShares& open);
+  void find_walls(const OpenShares& open);
+  int body_near(int component, const Int3& x) const;
+  std::vector<int> bodies_near(int c, const std::vector<std::ptrdiff_t>& faces) const;
+
+  const FluidDomain& domain_;
+  CellField<FineGrid> body_;  // of the surface in a cell; -1: none. Only while the lists are made, as wall_
+  std::array<CellField<FineGrid>, 3> wall_;    // a point of it
+  std::array<std::vector<double>, 3> volume_;  // of without_convection's faces (m3)
+  std::vector<Piece> pieces_;
+  std::vector<Pressed> pressed_;
+  std::vector<Wall> walls_;
+  std::array<std::vector<int>, 3> convection_to_, stress_to_;  // bodies that have what the faces of the lists lose
+  std::vector<BodyForce> force_;
+};
+
+}  // namespace twogrid

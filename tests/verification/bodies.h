@@ -1,0 +1,64 @@
+// Flows around and inside bodies that the grid cuts, for verification.
+#pragma once
+
+#include <cstdint>
+
+#include "cfd/bodies/simple_shapes.h"
+#include "tests/verification/cfd_box.h"
+
+namespace twogrid {
+
+inline Body body(std::shared_ptr<const SolidShape> shape, const char* name = "body") {
+  Body b;
+  b.name = name;
+  b.shape = std::move(shape);
+  return b;
+}
+
+/// A number in [0,1) that hangs on n alone.
+inline double random_number(int n) {
+  std::uint64_t x = std::uint64_t(n + 7) * 0x9E3779B97F4A7C15ull;
+  x ^= x >> 31, x *= 0xBF58476D1CE4E5B9ull, x ^= x >> 29, x *= 0x94D049BB133111EBull, x ^= x >> 32;
+  return double(x >> 11) * 0x1p-53;
+}
+
+/// Of a liquid so viscous that its convection is nothing: density 1, viscosity 1; steps as long as wanted.
+inline FluidSettings creeping(double dt) {
+  FluidSettings s;
+  s.density = 1;
+  s.viscosity = 1;
+  s.convection = Convection::kNone;
+  s.implicit_viscosity = Choice::kOn;
+  s.pressure_rtol = 1e-7;
+  s.dt = dt;
+  for (auto& side : s.side) side = {condition(BoundaryKind::kSlip)};
+  return s;
+}
+
+/// Mean over the volume of the whole box of the flux along d (m/s): superficial velocity.
+inline double superficial(const CfdBox& box, int d) {
+  double sum[2] = {0, 0};
+  for_each(box.own(), [&](int i, int j, int k) {
+    Int3 next{i, j, k};
+    ++next[d];
+    const double V = box.grid.volume(i, j, k);
+    sum[0] += V * 0.5 * (box.fluid->flux(d, i, j, k) + box.fluid->flux(d, next[0], next[1], next[2]));
+    sum[1] += V;
+  });
+  return box.sum(sum[0]) / box.sum(sum[1]);
+}
+
+/// Steps of the given length until the superficial velocity along d changes by less than `change` of itself in one.
+/// Returns the number of steps, or -1 if `most` are not enough.
+inline int until_steady(CfdBox& box, int d, double dt, double change, int most) {
+  double before = 0;
+  for (int n = 1; n <= most; ++n) {
+    box.step(dt);
+    const double now = superficial(box, d);
+    if (std::abs(now - before) < change * std::abs(now)) return n;
+    before = now;
+  }
+  return -1;
+}
+
+}  // namespace twogrid
