@@ -18,6 +18,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 
 MM = 1000.0
+SOLID = "#8a7f76"
 plt.rcParams.update({"font.size": 9, "axes.titlesize": 9, "axes.spines.top": False, "axes.spines.right": False,
                      "legend.frameon": False, "figure.dpi": 100, "savefig.dpi": 200, "image.cmap": "viridis"})
 
@@ -33,19 +34,33 @@ def centres(edges):
     return 0.5 * (edges[1:] + edges[:-1])
 
 
+def open_share(file, grid="grid"):
+    """[nz][ny][nx]: the part of each cell that bodies leave open; None where there are no bodies."""
+    return file[grid]["theta"][:] if "theta" in file[grid] else None
+
+
 def view(file):
     """(across, along): index of the horizontal direction drawn, and of the one looked along (the thinner)."""
     x, y, _ = nodes(file)
     return (0, 1) if np.ptp(x) >= np.ptp(y) else (1, 0)
 
 
-def plane(values, edges, along, depth=None):
-    """[nz][ny][nx] -> [nz][across]: mean over the direction looked along, or the cells that hold `depth` (m)."""
+def plane(values, edges, along, depth=None, theta=None):
+    """[nz][ny][nx] -> [nz][across]: mean over the direction looked along, or the cells that hold `depth` (m). With theta, the
+    open share of cells: over their open parts, and masked where all is solid."""
     axis = 2 - along
+    width = np.diff(edges[along])
+    if depth is None and theta is None:
+        return np.average(values, axis=axis, weights=width)
     if depth is None:
-        return np.average(values, axis=axis, weights=np.diff(edges[along]))
+        shape = [1, 1, 1]
+        shape[axis] = len(width)
+        weights = theta * width.reshape(shape)
+        whole = weights.sum(axis=axis)
+        return np.ma.masked_where(whole == 0, (values * weights).sum(axis=axis) / np.where(whole > 0, whole, 1))
     i = int(np.clip(np.searchsorted(edges[along], depth, side="right") - 1, 0, values.shape[axis] - 1))
-    return np.take(values, i, axis=axis)
+    at = np.take(values, i, axis=axis)
+    return at if theta is None else np.ma.masked_where(np.take(theta, i, axis=axis) == 0, at)
 
 
 def frames(file):
@@ -64,17 +79,19 @@ def batches(file):
 
 def mean_and_error(values, weight):
     """Mean over batches (first axis) and its standard error, from the scatter of the batches' means."""
-    mean = np.average(values, axis=0, weights=weight)
+    average = np.ma.average if np.ma.isMaskedArray(values) else np.average
+    mean = average(values, axis=0, weights=weight)
     if len(weight) < 2:
         return mean, np.full_like(mean, np.nan)
-    variance = np.average((values - mean) ** 2, axis=0, weights=weight)
+    variance = average((values - mean) ** 2, axis=0, weights=weight)
     return mean, np.sqrt(variance / (len(weight) - 1))
 
 
 # ---- drawing -------------------------------------------------------------------------------------------------------
 
 def map_on(axes, edges, across, values, **options):
-    """Cell values as they are, in mm, true to scale."""
+    """Cell values as they are, in mm, true to scale; solids of bodies (masked) in one colour."""
+    axes.set_facecolor(SOLID)
     picture = axes.pcolormesh(edges[across] * MM, edges[2] * MM, values, rasterized=True, **options)
     axes.set_aspect("equal")
     axes.set_xlabel("xy"[across] + " / mm")
@@ -93,7 +110,8 @@ def mean_void_fraction(file, depth=None, top=None):
     figure, axes = plt.subplots(1, 2, figsize=map_size(edges, across, 2), sharey=True, layout="constrained")
     for ax, title, at, e in ((axes[0], "fluid's grid", "fine", edges),
                              (axes[1], "particle grid", "particle_grid", coarse)):
-        values = plane(file["average/" + at + "/eps"][:], e, along, depth)
+        theta = open_share(file, "grid" if at == "fine" else "particle_grid")
+        values = plane(file["average/" + at + "/eps"][:], e, along, depth, theta)
         picture = map_on(ax, e, across, values, vmin=0.4, vmax=1.0)
         ax.set_title(title)
     axes[0].set_ylabel("z / mm")
@@ -110,7 +128,8 @@ def snapshots(file, which, top=None):
     names = frames(file)
     names = [names[i] for i in which if -len(names) <= i < len(names)]
     depth = 0.5 * (edges[along][0] + edges[along][-1])
-    gas = [plane(file["fluid"][n]["u"][..., 2], edges, along, depth) for n in names]
+    theta = open_share(file)
+    gas = [plane(file["fluid"][n]["u"][..., 2], edges, along, depth, theta) for n in names]
     solids = [file["particles"][n] if "particles" in file and n in file["particles"] else None for n in names]
     speeds = [np.abs(s["velocity"][:, 2]) for s in solids if s is not None and len(s["velocity"])]
     fastest_gas = max(max(np.abs(g).max() for g in gas), 1e-12)
@@ -144,7 +163,8 @@ def profiles(file, heights):
     edges = nodes(file, "particle_grid")
     x = centres(edges[across]) * MM
     weight, batch = batches(file)
-    wide = lambda v: np.stack([plane(b, edges, along) for b in v])
+    theta = open_share(file, "particle_grid")
+    wide = lambda v: np.ma.stack([plane(b, edges, along, theta=theta) for b in v])
     quantities = (("void fraction", wide(batch("eps"))),
                   ("gas, vertical velocity / (m/s)", wide(batch("gas_velocity")[..., 2])),
                   ("solids, vertical flux / (m/s)", wide(batch("solids_flux")[..., 2])))
@@ -170,7 +190,11 @@ def pressure_profile(file):
     edges = nodes(file, "particle_grid")
     weight, batch = batches(file)
     area = np.outer(np.diff(edges[1]), np.diff(edges[0]))
-    section = np.einsum("bkji,ji->bk", batch("p"), area) / area.sum()
+    theta = open_share(file, "particle_grid")
+    if theta is None:
+        section = np.einsum("bkji,ji->bk", batch("p"), area) / area.sum()
+    else:
+        section = np.einsum("bkji,kji,ji->bk", batch("p"), theta, area) / np.maximum(np.einsum("kji,ji->k", theta, area), 1e-300)
     mean, error = mean_and_error(section, weight)
     z = centres(edges[2]) * MM
     figure, ax = plt.subplots(figsize=(3.6, 3.4), layout="constrained")

@@ -68,11 +68,12 @@ struct FluidSettings {
   double dt = 0;            ///< largest fluid step (s); 0: as cfl and the coupling interval allow
   Convection convection = Convection::kVanLeer;
   Choice implicit_viscosity = Choice::kAuto;
-  bool gap_friction = false;    ///< one-cell-deep scenes: -12 mu u / W^2
-  std::vector<Body> bodies;     ///< vessels and bodies inside the grid (bodies/cut_grid.h)
-  std::vector<Vec3> fluid_at;   ///< points that the fluid holds, where no inlet or outlet tells
-  OpenSpaceModel open_space;    ///< in place of bodies: shares as given (tests)
-  double pressure_rtol = 1e-6;  ///< continuity error wanted, relative to U/h; also -fluid_pressure_rtol
+  bool gap_friction = false;       ///< one-cell-deep scenes: -12 mu u / W^2
+  std::vector<Body> bodies;        ///< vessels and bodies inside the grid (bodies/cut_grid.h)
+  std::vector<Vec3> fluid_at;      ///< points that the fluid holds, where no inlet or outlet tells
+  std::vector<Vec3> particles_at;  ///< where particles lie: asked where parts on both sides reach inlets or outlets
+  OpenSpaceModel open_space;       ///< in place of bodies: shares as given (tests)
+  double pressure_rtol = 1e-6;     ///< continuity error wanted, relative to U/h; also -fluid_pressure_rtol
   /// Central convection damps nothing: extrapolated in time it grows above a Courant number of 0.67 (in theory;
   /// tests/verification/test_central.cpp measures 0.60 to 0.65).
   static double largest_cfl(Convection c) { return c == Convection::kCentral ? 0.6 : 1.0; }

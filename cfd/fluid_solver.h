@@ -64,6 +64,8 @@ class FluidSolver : public Fluid {
     if (domain_.measures.open()) return state_.eps_open;
     return state_.eps[0];
   }
+  /// What is said of the bodies in the grid; null without bodies.
+  const CutReport* cut() const { return domain_.cut(); }
   const OpenShares* open_shares() const override { return domain_.measures.open(); }
   double time() const override { return state_.time; }
   bool knows_last_step() const override { return true; }

@@ -26,6 +26,7 @@
 #include "liggghts_fixes/liggghts/unsupported.h"
 #include "liggghts_fixes/liggghts/watchers.h"
 #include "liggghts_fixes/report/memory_need.h"
+#include "liggghts_fixes/report/open_areas.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/run/petsc_session.h"
 #include "liggghts_fixes/run/replay.h"
@@ -40,7 +41,7 @@ namespace twogrid {
 using namespace LAMMPS_NS;
 
 FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg)
-    : Fix(lammps, narg, arg), names_(*lammps, script_, id), watch_(*lammps, id) {
+    : Fix(lammps, narg, arg), names_(*lammps, script_, id), bodies_(*lammps, script_, groupbit), watch_(*lammps, id) {
   guarded([&] {
     script_ = parse_fix(id, std::vector<std::string>(arg + 3, arg + narg));
     refuse_unsupported(*lmp, id, kStyle);
@@ -119,12 +120,22 @@ int FixTwogrid::modify_param(int narg, char** arg) {
   return narg;
 }
 
+void FixTwogrid::look_at_bodies(SceneFacts& facts) const {
+  const FluidSettings& s = script_.settings.fluid;
+  if (s.bodies.empty()) return;
+  bodies_.find_known(facts.walls, s, fluid_->grid());
+  facts.open_area = open_areas(world, s, *fluid_);
+  if (coupling_->open_nodes()) facts.nodes = coupling_->open_nodes()->figures();
+  if (fluid_->cut()) facts.cut = *fluid_->cut();
+}
+
 /// Later runs: what has come to be worth a warning since the scene report.
 void FixTwogrid::look_at_scene() {
   std::vector<std::string> now = motion_.warnings;
   if (started_) {
-    const SceneFacts facts = scene_facts(*lmp, groupbit);
+    SceneFacts facts = scene_facts(*lmp, groupbit);
     Settings& s = script_.settings;
+    look_at_bodies(facts);
     for (const std::string& w : scene_warnings(s, fluid_->grid(), facts, scene_numbers(s, fluid_->grid(), facts)))
       now.push_back(w);
   }
@@ -135,6 +146,7 @@ void FixTwogrid::init() {
   guarded([&] {
     refuse_unsupported(*lmp, id, kStyle);
     if (fluid_) check_box(*lmp, box_, id);
+    if (fluid_) bodies_.resolve(script_.settings.fluid, fluid_->grid());
     motion_ = find_motion(*lmp, *this);
     watchers_ = any_watchers(*lmp);
     if (!(update->dt > 0)) refuse("timestep", text(update->dt), "a DEM step above 0 (s)");
@@ -157,6 +169,7 @@ void FixTwogrid::build() {
   names_.resolve();
   const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));
   s.fluid.check_flow(grid);
+  bodies_.resolve(s.fluid, grid);
   SceneFacts facts = scene_facts(*lmp, groupbit);
   facts.still = motion_.still;
   if (!script_.checkpoint_read.empty()) {
@@ -181,8 +194,10 @@ void FixTwogrid::build() {
   watch_.look_at(CouplingWatch(s));
   make_balance();
   open_output();
+  look_at_bodies(facts);
   watch_.say(scene_report(script_, grid, facts));
   for (const std::string& sentence : doubts(*lmp)) watch_.warn(sentence);
+  for (const std::string& sentence : bodies_.doubts()) watch_.warn(sentence);
   if (!state_->recent_restart && !id_in_restart_.empty())
     watch_.warn(
         "the restart file holds what a fix twogrid of ID " + id_in_restart_ +

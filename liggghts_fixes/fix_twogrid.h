@@ -32,6 +32,7 @@
 #include "coupling/control/schedule.h"
 #include "coupling/coupling.h"
 #include "coupling/output/output.h"
+#include "liggghts_fixes/bodies/script_bodies.h"
 #include "liggghts_fixes/liggghts/balance.h"
 #include "liggghts_fixes/liggghts/motion.h"
 #include "liggghts_fixes/liggghts/script_names.h"
@@ -100,6 +101,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   auto guarded(F&& f) -> decltype(f());
   void refuse_without_set_up() const;
   void look_at_scene();
+  void look_at_bodies(SceneFacts& facts) const;
   void build();
   void open_output();
   void make_balance();
@@ -121,6 +123,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
 
   Script script_;
   ScriptNames names_;
+  ScriptBodies bodies_;
   std::string id_in_restart_;  // of a fix twogrid whose state the restart file held when this fix was made
   double chosen_skin_ = 0;     // of -skin best (m); 0: the script's stays
   // Owned by LIGGGHTS: kParticleColumns and kStepColumns values a particle.

@@ -56,6 +56,9 @@ endfunction()
 
 system_test(bad_input RANKS 1 TIMEOUT 400)
 set_tests_properties(bad_input PROPERTIES RUN_SERIAL ON)  # it has a limit of 5 s a script
+system_test(bodies RANKS 1 2 4)
+system_test(bad_bodies RANKS 1)
+system_test(round_bed_short RANKS 2)
 system_test(accuracy RANKS 1)
 system_test(momentum RANKS 1 2)
 system_test(action_reaction RANKS 2)

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <sstream>
-#include <stdexcept>
+
+#include "cfd/bodies/sentences.h"
 
 namespace twogrid {
 
@@ -47,6 +48,27 @@ void CleanUp::close_slivers() {
   }
 }
 
+/// What flows in must be able to flow out of the same part; and parts without an outlet can't be beside others, for their
+/// pressures have no common level.
+void CleanUp::refuse_dead_ends(const ConnectedParts& parts, const std::vector<int>& mark,
+                               const std::vector<double>& volume, const std::vector<bool>& stays) const {
+  const LocalGrid& g = grid_;
+  std::size_t open = 0;
+  for (bool s : stays) open += s;
+  for (int p = 0; p < parts.count(); ++p) {
+    if (!stays[p] || mark[p * kMarks + kOutlet] || (open == 1 && !mark[p * kMarks + kInlet])) continue;
+    std::ostringstream s;
+    for_each(g.own, [&](int i, int j, int k) {
+      if (g.number(i, j, k) != parts.first(p)) return;
+      const Vec3 x{g.centre(0, i), g.centre(1, j), g.centre(2, k)};
+      s << "the bodies part " << volume[p] << " m3 of fluid at " << words(x) << " from all outlets"
+        << (mark[p * kMarks + kInlet] ? ", and an inlet leads into it" : ", and there is other fluid besides")
+        << "; wanted: a way to an outlet, or the fluid's side of the surfaces as it is meant (fluid_at x y z)";
+    });
+    refuse_together(g.comm, s.str());
+  }
+}
+
 double CleanUp::close_pockets(const std::vector<Int3>& held) {
   const LocalGrid& g = grid_;
   const ConnectedParts parts(
@@ -57,7 +79,6 @@ double CleanUp::close_pockets(const std::vector<Int3>& held) {
         return alpha_[d](face[0], face[1], face[2]) > 0;
       });
   const int n = parts.count();
-  enum { kInlet, kOutlet, kHeld, kMarks };
   std::vector<int> mark(std::size_t(n) * kMarks, 0);
   std::vector<double> volume(n, 0.0);
   for_each(g.own, [&](int i, int j, int k) {
@@ -87,6 +108,7 @@ double CleanUp::close_pockets(const std::vector<Int3>& held) {
     stays[p] = mark[p * kMarks + kInlet] || mark[p * kMarks + kOutlet] || mark[p * kMarks + kHeld];
   if (n > 0 && std::find(stays.begin(), stays.end(), true) == stays.end())
     stays[std::max_element(volume.begin(), volume.end()) - volume.begin()] = true;
+  refuse_dead_ends(parts, mark, volume, stays);
   double closed = 0;
   for (int p = 0; p < n; ++p) closed += stays[p] ? 0 : volume[p];
   if (closed > 0) {

@@ -19,7 +19,10 @@ class CleanUp {
   double close_pockets(const std::vector<Int3>& held);
 
  private:
+  enum { kInlet, kOutlet, kHeld, kMarks };  // of a part
   bool leads_on(int d, const Int3& face) const;
+  void refuse_dead_ends(const ConnectedParts& parts, const std::vector<int>& mark, const std::vector<double>& volume,
+                        const std::vector<bool>& stays) const;
 
   const LocalGrid& grid_;
   FaceField<FineGrid>& alpha_;

@@ -2,7 +2,8 @@
 // parts, friction of the walls. Distance-link finite volumes: every wall a face feels stands on the diagonal.
 //
 //   vertices   joined by an edge that no surface crosses have one label; fluid are the labels that reach an inlet, an
-//              outlet or a point of fluid_at; what a shape knows of its own sides comes first
+//              outlet or a point of fluid_at, where that leaves a choice those that hold particles; what a shape knows of
+//              its own sides comes first
 //   alpha      of a face: the polygon of its fluid corners and of the first crossings from them
 //   theta      of a cell: the polyhedron of the same points
 //   A_w        of a cell: |sum of alpha A n over its faces|, so that its open surface closes
@@ -38,6 +39,7 @@ struct CutReport {
   std::vector<OfBody> bodies;
   double open_volume = 0;                                   ///< m3
   long long closed_cells = 0, slivers = 0, thin_edges = 0;  ///< thin: edges that are crossed twice or more
+  std::string fluid_side;                                   ///< what told which parts of the domain are fluid, in words
   double pocket_volume = 0;                                 ///< closed because nothing leads there (m3)
   double narrowest = 0;  ///< cells across the narrowest opening between walls, as the axes see it
 };

@@ -1,24 +1,17 @@
 #include "cfd/bodies/fluid_vertices.h"
 
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
 
-#include "cfd/parallel/rank_0.h"
+#include "cfd/bodies/sentences.h"
 
 namespace twogrid {
 
 namespace {
 
-std::string words(const Vec3& x) {
-  std::ostringstream s;
-  s << "(" << x[0] << " " << x[1] << " " << x[2] << ")";
-  return s.str();
-}
-
 /// What is known of the parts, by all ranks.
 struct PartTable {
-  enum { kSolid, kKnownFluid, kInlet, kOutlet, kHeld, kColumns };
+  enum { kSolid, kKnownFluid, kInlet, kOutlet, kHeld, kParticles, kColumns };
   explicit PartTable(int parts) : mark(std::size_t(parts) * kColumns, 0) {}
   int& at(int part, int column) { return mark[std::size_t(part) * kColumns + column]; }
   void share(MPI_Comm comm) { MPI_Allreduce(MPI_IN_PLACE, mark.data(), int(mark.size()), MPI_INT, MPI_MAX, comm); }
@@ -114,6 +107,17 @@ std::vector<Int3> mark_held(const LocalGrid& g, const Surfaces& surfaces, const 
   return held;
 }
 
+/// Marks the parts in which particles lie.
+void mark_particles(const LocalGrid& g, const Surfaces& surfaces, const ConnectedParts& parts, PartTable& table) {
+  for (const Vec3& x : g.settings.particles_at) {
+    bool inside = true;
+    for (int d = 0; d < 3; ++d) inside = inside && x[d] >= g.grid.axis[d].lo() && x[d] < g.grid.axis[d].hi();
+    if (!inside) continue;
+    for (const Int3& v : joined_vertices(g, surfaces, x))
+      if (const int part = parts.at(v[0], v[1], v[2]); part >= 0) table.at(part, PartTable::kParticles) = 1;
+  }
+}
+
 Vec3 place_of(const LocalGrid& g, long long number) {
   const Int3 n = g.grid.n();
   const Int3 v{int(number % (n[0] + 1)), int(number / (n[0] + 1) % (n[1] + 1)), int(number / (n[0] + 1) / (n[1] + 1))};
@@ -126,12 +130,13 @@ Vec3 place_of(const LocalGrid& g, long long number) {
   return x;
 }
 
-/// Whether each part is fluid. The same on all ranks.
-std::vector<bool> choose(const LocalGrid& g, const ConnectedParts& parts, PartTable& t) {
+/// Whether each part is fluid, and what told it. The same on all ranks.
+std::vector<bool> choose(const LocalGrid& g, const ConnectedParts& parts, PartTable& t, std::string& told_by) {
   const int n = parts.count();
   std::vector<bool> fluid(n, false);
   if (!g.settings.fluid_at.empty()) {
     for (int p = 0; p < n; ++p) fluid[p] = t.at(p, PartTable::kHeld) && !t.at(p, PartTable::kSolid);
+    told_by = "where fluid_at says";
     return fluid;
   }
   std::vector<int> through, ends, unknown;  // parts of which no shape knows: with inlet and outlet, with one of them
@@ -147,14 +152,25 @@ std::vector<bool> choose(const LocalGrid& g, const ConnectedParts& parts, PartTa
     if (in || out) ends.push_back(p);
   }
   const bool known = std::find(fluid.begin(), fluid.end(), true) != fluid.end();
-  const std::vector<int>& best = !through.empty() ? through : ends;
+  std::vector<int> best = !through.empty() ? through : ends;
+  told_by = !through.empty()  ? "what an inlet and an outlet reach"
+            : !ends.empty()   ? "what an inlet or an outlet reaches"
+            : known           ? "where no region is solid"
+            : unknown.empty() ? "nowhere"
+                              : "all of the closed domain";
+  if (best.size() > 1 || (best.empty() && unknown.size() > 1 && !known)) {
+    std::vector<int> with;
+    for (int p : best.empty() ? unknown : best)
+      if (t.at(p, PartTable::kParticles)) with.push_back(p);
+    if (with.size() == 1) best = with, told_by = "where the particles are, as inlets and outlets don't tell";
+  }
   if (best.size() > 1 || (best.empty() && unknown.size() > 1 && !known)) {
     const std::vector<int>& open = best.empty() ? unknown : best;
     throw std::invalid_argument(
         "which side of the bodies' surfaces the fluid is on can't be told: the parts of the domain at " +
         words(place_of(g, parts.first(open[0]))) + " and " + words(place_of(g, parts.first(open[1]))) +
         (best.empty() ? " reach no inlet or outlet" : " both reach an inlet or an outlet") +
-        "; wanted: the keyword fluid_at x y z with a point of the fluid");
+        ", and particles don't tell either; wanted: the keyword fluid_at x y z with a point of the fluid");
   }
   for (int p : best) fluid[p] = true;
   if (best.empty() && !known)
@@ -163,13 +179,6 @@ std::vector<bool> choose(const LocalGrid& g, const ConnectedParts& parts, PartTa
 }
 
 }  // namespace
-
-void refuse_together(MPI_Comm comm, const std::string& sentence) {
-  const int none = ranks_of(comm);
-  int first = sentence.empty() ? none : rank_of(comm);
-  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
-  if (first < none) throw std::invalid_argument(from_rank(comm, first, sentence));
-}
 
 FluidVertices find_fluid(const LocalGrid& g, const Surfaces& surfaces, const CutEdges& edges) {
   const ConnectedParts parts(
@@ -186,11 +195,14 @@ FluidVertices find_fluid(const LocalGrid& g, const Surfaces& surfaces, const Cut
   });
   FluidVertices vertices;
   vertices.held = mark_held(g, surfaces, parts, table);
+  mark_particles(g, surfaces, parts, table);
   table.share(g.comm);
-  const std::vector<bool> fluid = choose(g, parts, table);
+  const std::vector<bool> fluid = choose(g, parts, table, vertices.told_by);
   vertices.kind.reset(g.vertices, VertexKind::kSolid);
+  vertices.part.reset(g.vertices, -1);
+  vertices.parts = parts.count();
   for_each(g.vertices, [&](int i, int j, int k) {
-    const int part = parts.at(i, j, k);
+    const int part = vertices.part(i, j, k) = parts.at(i, j, k);
     if (part >= 0 && fluid[part]) vertices.kind(i, j, k) = VertexKind::kFluid;
     if (edges.on_surface(i, j, k)) vertices.kind(i, j, k) = VertexKind::kOnSurface;
   });

@@ -1,6 +1,7 @@
 // Which of the grid's vertices are in the fluid.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "cfd/bodies/connected_parts.h"
@@ -14,13 +15,13 @@ struct FluidVertices {
   Array3<VertexKind> kind;  ///< own ones and those of the cells around
   /// Own vertices that an uncrossed way joins to a point of fluid_at.
   std::vector<Int3> held;
+  std::string told_by;  ///< what told the fluid's parts, in words
+  Array3<int> part;  ///< what uncrossed edges join, of all vertices but those on surfaces (-1)
+  int parts = 0;
   VertexKind operator()(int i, int j, int k) const { return kind(i, j, k); }
 };
 
 /// Throws std::invalid_argument with a sentence, on all ranks, where the fluid's side can't be told. Collective.
 FluidVertices find_fluid(const LocalGrid& grid, const Surfaces& surfaces, const CutEdges& edges);
-
-/// Throws the sentence that the lowest rank has, on all; none where no rank has one. Collective.
-void refuse_together(MPI_Comm comm, const std::string& sentence);
 
 }  // namespace twogrid

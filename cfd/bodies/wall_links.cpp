@@ -16,7 +16,6 @@ WallLinks::WallLinks(const LocalGrid& grid, const Surfaces& surfaces, const CutE
       if (!(alpha[d](i, j, k) > 0)) return;
       const bool fluid = !is_cut(d, {i, j, k}) || faces.fluid_centre(d, {i, j, k});
       node_[d](i, j, k) = fluid ? Node::kFluid : Node::kSliver;
-      slivers_ += !fluid && grid.own_faces[d].contains(i, j, k);
     });
   }
 }
@@ -152,7 +151,6 @@ void WallLinks::fill(OpenSpace& space) const {
   const LocalGrid& g = grid_;
   for (int c = 0; c < 3; ++c) {
     space.links[c].reset(g.own_faces[c], OpenSpace::kAllLinks);
-    space.friction[c].reset(g.own_faces[c], 0.0);
     for_each(g.own_faces[c], [&](int i, int j, int k) {
       const Int3 face{i, j, k};
       unsigned char& bits = space.links[c](i, j, k);
@@ -161,7 +159,6 @@ void WallLinks::fill(OpenSpace& space) const {
         bits = 0;
         return;
       }
-      const std::size_t before = space.pieces.size();
       if (node == Node::kSliver) {
         bits = OpenSpace::kSliver;
       } else {
@@ -169,15 +166,6 @@ void WallLinks::fill(OpenSpace& space) const {
           for (bool up : {false, true}) link(c, face, d, up, bits, space.pieces);
       }
       own_wall(c, face, node, space.pieces);
-      if (space.pieces.size() == before) return;
-      double sum = 0, volume = 0;
-      for (std::size_t q = before; q < space.pieces.size(); ++q) sum += space.pieces[q].conductance;
-      for (int below = 0; below < 2; ++below) {
-        Int3 cell = face;
-        cell[c] -= below;
-        if (g.inside(c, cell[c])) volume += 0.5 * theta_(cell[0], cell[1], cell[2]) * g.volume(cell);
-      }
-      space.friction[c](i, j, k) = sum / volume;
     });
   }
   for_each(g.own, [&](int i, int j, int k) {

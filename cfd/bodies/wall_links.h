@@ -11,9 +11,8 @@ class WallLinks {
   WallLinks(const LocalGrid& grid, const Surfaces& surfaces, const CutEdges& edges, const CutFaces& faces,
             const FaceField<FineGrid>& alpha, const CellField<FineGrid>& theta);
 
-  /// Fills links, pieces, friction and surface.
+  /// Fills links, pieces and surface.
   void fill(OpenSpace& space) const;
-  long long slivers() const { return slivers_; }  ///< own ones
 
  private:
   enum class Node : unsigned char { kClosed, kFluid, kSliver };
@@ -36,7 +35,6 @@ class WallLinks {
   const CellField<FineGrid>& theta_;
   Array3<unsigned char> cut_;
   std::array<Array3<Node>, 3> node_;
-  long long slivers_ = 0;
 };
 
 }  // namespace twogrid

@@ -21,6 +21,8 @@ Averages::Averages(MPI_Comm comm, const FineGrid& fine, const Layout& layout, co
   state_.gas.reset(coarse_own_, kGasSums), state_.solids.reset(coarse_own_, kSolidsSums);
   for (auto& b : state_.gas_batch) b.reset(coarse_own_, kGasBatchSums);
   for (auto& b : state_.solids_batch) b.reset(coarse_own_, kSolidsBatchSums);
+  for (int i = fine_own_.lo[0]; i < fine_own_.hi[0]; ++i) width_.push_back(fine.axis[0].width(i));
+  open_width_.resize(coarse.ratio[0]);
   // A particle may lie a little outside the rank's cells; one particle cell around them saves the first growth.
   if (!coarse_own_.empty()) grow_window(coarse_own_.lo);
 }
@@ -67,6 +69,7 @@ void Averages::add_gas(double weight, const Fluid& fluid) {
   const auto& p = fluid.pressure();
   const Box& own = fine_own_;
   const std::ptrdiff_t row = own.size(0), slab = row * own.size(1);
+  const OpenShares* const open = fluid.open_shares();
   std::size_t c = 0;
   for_each(coarse_own_, [&](int I, int J, int K) {
     double block[kGasFlux + 3] = {0, 0, 0, 0, 0, 0, 0, 0}, volume = 0;
@@ -75,13 +78,19 @@ void Averages::add_gas(double weight, const Fluid& fluid) {
     for (int k = cells.lo[2]; k < cells.hi[2]; ++k)
       for (int j = cells.lo[1]; j < cells.hi[1]; ++j) {
         const double area = fine_.axis[1].width(j) * fine_.axis[2].width(k);
+        const double* width = width_.data() + (i0 - own.lo[0]);
+        if (open) {
+          const double* const theta = open->theta().data() + open->theta().index(i0, j, k);
+          for (int i = 0; i < across; ++i) open_width_[i] = width[i] * theta[i];
+          width = open_width_.data();
+        }
         double* s = state_.fine.at((i0 - own.lo[0]) + row * (j - own.lo[1]) + slab * (k - own.lo[2]));
         const double* eps_row = eps.data() + eps.index(i0, j, k);
         const double* p_row = p.data() + p.index(i0, j, k);
         const double *low[3], *high[3];
         for (int d = 0; d < 3; ++d) low[d] = u[d].data() + u[d].index(i0, j, k), high[d] = low[d] + u[d].stride(d);
         for (int i = 0; i < across; ++i, s += kFineSums) {
-          const double v = area * fine_.axis[0].width(i0 + i), e = eps_row[i], q = p_row[i];
+          const double v = area * width[i], e = eps_row[i], q = p_row[i];
           const double centre[3] = {0.5 * (low[0][i] + high[0][i]), 0.5 * (low[1][i] + high[1][i]),
                                     0.5 * (low[2][i] + high[2][i])};
           s[kFineEps] += weight * e;
@@ -100,7 +109,8 @@ void Averages::add_gas(double weight, const Fluid& fluid) {
           }
         }
       }
-    for (double& b : block) b /= volume;
+    if (volume > 0)  // else inside a body
+      for (double& b : block) b /= volume;
     double *s = state_.gas.at(c), *batch = state_.gas_batch[state_.batch].at(c);
     for (int q = 0; q < kGasEps2; ++q) s[q] += weight * block[q];
     for (int q = 0; q < kGasBatchSums; ++q) {

@@ -1,8 +1,8 @@
 // Time means of the gas on the fine grid, and of gas and solids on the particle grid, summed up during the run.
 //
 // Sums of weight * value are kept; the weight is the time (s) a sample stands for. On the particle grid a gas value is
-// the volume mean over the block of fine cells, and a particle counts with its volume in the cell that holds its
-// centre.
+// the volume mean over the block of fine cells (over its open part, where bodies cut it), and a particle counts with its
+// volume in the cell that holds its centre.
 //
 // Batches: the particle grid's sums are also kept in up to 16 consecutive batches of equally many samples. When all are
 // full, neighbours are merged and the batches to come are twice as long: whatever the length of the run there are
@@ -55,7 +55,7 @@ class Averages {
  public:
   static constexpr int kBatches = AveragesState::kBatches;
 
-  /// fine must live as long; coarse is copied. Local.
+  /// fine must live as long; coarse, with its open part, is copied. Local.
   Averages(MPI_Comm comm, const FineGrid& fine, const Layout& layout, const ParticleGrid& coarse);
 
   /// Adds the present fields with this weight (s). No message; no allocation unless a particle is farther from the
@@ -86,6 +86,7 @@ class Averages {
   void grow_window(const Int3& cell);
   /// What is in the window, at the owners: the sums, then those of the batches. Collective.
   std::vector<Array3<double>> window_at_owners() const;
+  std::vector<Array3<double>> all_solids() const;
 
   MPI_Comm comm_;
   const FineGrid& fine_;
@@ -100,6 +101,7 @@ class Averages {
   std::array<Array3<double>, kSolidsSums> beyond_sum_;
   std::array<std::array<Array3<double>, kSolidsBatchSums>, kBatches> beyond_batch_;
   std::vector<std::array<long long, kSolidsSums>> sample_;
+  std::vector<double> width_, open_width_;  // in x: of own fine cells; of the open parts of a block's row (m)
 };
 
 }  // namespace twogrid

@@ -3,6 +3,7 @@
 
 #include "coupling/output/averages.h"
 #include "coupling/output/growing_file.h"
+#include "coupling/two_grid/open_nodes.h"
 
 namespace twogrid {
 
@@ -40,6 +41,22 @@ double Averages::bytes() const {
   return 8 * (fine * fine_values + coarse * (coarse_values + kBatches * batch_values)) + 131072;
 }
 
+/// The sums, then those of the batches; nodes that share a value (open_nodes.h) have those of all of them.
+std::vector<Array3<double>> Averages::all_solids() const {
+  std::vector<Array3<double>> solids = window_at_owners();
+  std::size_t c = 0;
+  for_each(coarse_own_, [&](int, int, int) {
+    for (int q = 0; q < kSolidsSums; ++q) solids[q].data()[c] += state_.solids.at(c)[q];
+    for (int b = 0; b < kBatches; ++b)
+      for (int q = 0; q < kSolidsBatchSums; ++q)
+        solids[kSolidsSums + b * kSolidsBatchSums + q].data()[c] += state_.solids_batch[b].at(c)[q];
+    ++c;
+  });
+  if (coarse_.open_nodes())
+    for (Array3<double>& a : solids) coarse_.open_nodes()->total(slot_of(a));
+  return solids;
+}
+
 void Averages::write(GrowingFile& file) const {
   const std::string at = "/average/", on_fine = at + "fine/", on_coarse = at + "particle_grid/",
                     in_batches = on_coarse + "batch/";
@@ -47,9 +64,12 @@ void Averages::write(GrowingFile& file) const {
   file.attribute("/average", "weight", state_.weight);
   file.attribute("/average", "samples", double(state_.samples));
 
-  const std::vector<Array3<double>> beyond = window_at_owners();
+  const std::vector<Array3<double>> solids = all_solids();
   std::vector<double> inverse_volume;
-  for_each(coarse_own_, [&](int i, int j, int k) { inverse_volume.push_back(1 / coarse_.volume(i, j, k)); });
+  for_each(coarse_own_, [&](int i, int j, int k) {
+    const double volume = coarse_.shown_volume(i, j, k);
+    inverse_volume.push_back(volume > 0 ? 1 / volume : 0);
+  });
 
   std::vector<double> buffer;
   // value(cell, component) of own cells, in the order of the file.
@@ -97,7 +117,7 @@ void Averages::write(GrowingFile& file) const {
 
   // Where no particle ever was there is no velocity.
   const double none = std::numeric_limits<double>::quiet_NaN();
-  auto sum = [&](int q, std::size_t c) { return state_.solids.at(c)[q] + beyond[q].data()[c]; };
+  auto sum = [&](int q, std::size_t c) { return solids[q].data()[c]; };
   auto per_solids = [&](int q, std::size_t c) {
     return sum(kSolidsVolume, c) > 0 ? sum(q, c) / sum(kSolidsVolume, c) : none;
   };
@@ -130,10 +150,8 @@ void Averages::write(GrowingFile& file) const {
     return [this, first](int b, std::size_t c, int d) { return state_.gas_batch[b].at(c)[first + d]; };
   };
   auto solids_in = [&](int first) {
-    return [this, &beyond, &inverse_volume, first](int b, std::size_t c, int d) {
-      const int q = first + d;
-      return (state_.solids_batch[b].at(c)[q] + beyond[kSolidsSums + b * kSolidsBatchSums + q].data()[c]) *
-             inverse_volume[c];
+    return [&solids, &inverse_volume, first](int b, std::size_t c, int d) {
+      return solids[kSolidsSums + b * kSolidsBatchSums + first + d].data()[c] * inverse_volume[c];
     };
   };
   put_batches("eps", 1, "1", gas_in(kGasEps));

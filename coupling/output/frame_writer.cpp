@@ -5,6 +5,8 @@
 #include "cfd/fluid/fluid.h"
 #include "cfd/parallel/ranks.h"
 #include "coupling/output/growing_file.h"
+#include "coupling/two_grid/open_nodes.h"
+#include "coupling/two_grid/particle_grid.h"
 
 namespace twogrid {
 
@@ -52,6 +54,29 @@ double FrameWriter::count(const Particles& particles) {
   return 8 * cells * (5 + fluid_.model_fields().size() + (wants("faces") ? 7 : 0)) + 8.0 * 18 * count_.total + 65536;
 }
 
+double FrameWriter::bytes_of_open_shares(const ParticleGrid& nodes) const {
+  return fluid_.open_shares() ? 12 * double(fluid_.grid().cells().count() + nodes.cells().count()) + 16384 : 0;
+}
+
+void FrameWriter::write_open_shares(GrowingFile& file, const ParticleGrid& nodes) {
+  if (!fluid_.open_shares()) return;
+  constexpr int kHidden = 32;  // HIDDENCELL of VTK's ghost cells
+  const auto put = [&](const std::string& grid, const Int3& all, const Box& own, auto share) {
+    buffer_.clear();
+    std::vector<int> blank;
+    for_each(own, [&](int i, int j, int k) {
+      buffer_.push_back(share(i, j, k));
+      blank.push_back(buffer_.back() > 0 ? 0 : kHidden);
+    });
+    const Slab slab = part_of(all, own, own);
+    file.slab(grid + "/theta", slab, buffer_.data(), "1");
+    file.slab(grid + "/blank", slab, blank.data());
+  };
+  put("/grid", n_, own_, [&](int i, int j, int k) { return fluid_.open_shares()->theta()(i, j, k); });
+  put("/particle_grid", nodes.n(), node_layout(fluid_.layout(), nodes).cells(rank_),
+      [&](int i, int j, int k) { return nodes.open_nodes()->open_part()(i, j, k) / nodes.Grid::volume(i, j, k); });
+}
+
 XdmfFrame FrameWriter::write(GrowingFile& file, const std::string& name, double t, long step,
                              const Particles& particles) {
   const std::string fluid_at = "/fluid/" + name, particles_at = "/particles/" + name;
@@ -73,6 +98,8 @@ XdmfFrame FrameWriter::write(GrowingFile& file, const std::string& name, double 
     if (wants(f)) shown.cells.push_back({f, "", f[0] == 'u' ? 3 : 1, false});
   for (const ModelField& f : fluid_.model_fields())
     if (wants(f.name)) shown.cells.push_back({f.name, "", 1, false});
+  if (fluid_.open_shares())
+    for (const XdmfField& f : open_fields("/grid")) shown.cells.push_back(f);
   if (settings_.particles && count_.total > 0) {
     shown.particles = count_.total;
     auto show = [&](const char* f, int components, bool integer = false) {

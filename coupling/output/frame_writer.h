@@ -14,6 +14,7 @@ namespace twogrid {
 
 class Fluid;
 class GrowingFile;
+struct ParticleGrid;
 
 class FrameWriter {
  public:
@@ -22,6 +23,11 @@ class FrameWriter {
   /// Counts the particles that will be written. Returns an upper bound of what the frame adds to the file, bytes.
   /// Collective.
   double count(const Particles& particles);
+  /// Where bodies cut the grids: open shares of their cells into /grid and /particle_grid, and which cells ParaView is to
+  /// leave out. nodes: with their open part. Collective.
+  void write_open_shares(GrowingFile& file, const ParticleGrid& nodes);
+  /// Upper bound of what it adds to the file, bytes.
+  double bytes_of_open_shares(const ParticleGrid& nodes) const;
   /// Writes the particles counted, under /fluid/name and /particles/name. Returns what ParaView is to show of it, without
   /// the file's name. Collective.
   XdmfFrame write(GrowingFile& file, const std::string& name, double t, long step, const Particles& particles);

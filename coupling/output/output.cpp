@@ -119,6 +119,7 @@ Output::Impl::Impl(MPI_Comm comm, const Settings& settings, const Fluid& fluid, 
       n_(fluid.grid().n()),
       file_(settings_.file),
       frame_writer_(comm, fluid, settings_) {
+  coarse_.take_open_part(comm, fluid, {1, 1, 1});
   if (settings_.average_from >= 0) averages_ = std::make_unique<Averages>(comm, fluid.grid(), fluid.layout(), coarse_);
 }
 
@@ -184,8 +185,9 @@ void Output::Impl::create(const WhereToWrite& where, long step) {
     if (rank_ == 0) std::remove(part.c_str());
   };
   try {
-    GrowingFile file(comm_, part, true, bytes_of_record(record_, fluid_));
+    GrowingFile file(comm_, part, true, bytes_of_record(record_, fluid_) + frame_writer_.bytes_of_open_shares(coarse_));
     write_record(file, comm_, all_settings_, fluid_, coarse_, record_, id());
+    frame_writer_.write_open_shares(file, coarse_);
     if (where.leg > 0) write_leg(file, comm_, record_, where.leg, step);
     if (settings_.every > 0) {
       file.group("/fluid", kNames);
@@ -274,9 +276,11 @@ void Output::Impl::show_means() {
   if (means_shown_) return;
   means_shown_ = true;
   on_rank_0(comm_, [&] {
-    auto fields = [](const std::string& at, std::initializer_list<XdmfField> list) {
+    auto fields = [&](const std::string& at, std::initializer_list<XdmfField> list) {
       std::vector<XdmfField> all(list);
       for (auto& f : all) f.path = at + f.name;
+      if (fluid_.open_shares())
+        for (const XdmfField& f : open_fields(at == "/average/fine/" ? "/grid" : "/particle_grid")) all.push_back(f);
       return all;
     };
     const std::string h5 = name_in_directory(file_);

@@ -9,6 +9,8 @@
 //                           from in this file; N = 2, 3, ...
 //   /grid/x,y,z             nodes of the fine grid (m)
 //   /particle_grid/x,y,z    nodes of the particle grid (m); attribute ratio
+//     theta, blank          in both where bodies cut the grids: open share of a cell's volume; 32 where it is 0 (ParaView
+//                           leaves such cells out). Values of cells, and means over blocks, are of the open part.
 //   /fluid/NNNNNN/          frame NNNNNN (000000, 000001, ...):
 //     time, step            s; DEM step
 //     u    [nz][ny][nx][3]  interstitial velocity at cell centres (m/s), mean of the cell's two faces

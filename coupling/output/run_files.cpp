@@ -71,6 +71,8 @@ XdmfFrame read_frame(hid_t file, const std::string& h5, const std::string& name,
     if (extent.size() < 3) throw std::runtime_error(fluid + "/" + field);
     f.cells.push_back({field, "", extent.size() == 4 ? 3 : 1, false});
   }
+  if (H5Lexists(file, "/grid/theta", H5P_DEFAULT) > 0)
+    for (const XdmfField& field : open_fields("/grid")) f.cells.push_back(field);
   // In the order of a frame that is written: u, p, eps, then those of models.
   std::stable_sort(f.cells.begin(), f.cells.end(), [](const XdmfField& a, const XdmfField& b) {
     const auto turn = [](const std::string& s) { return s == "u" ? 0 : s == "p" ? 1 : s == "eps" ? 2 : 3; };

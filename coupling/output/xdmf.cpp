@@ -39,10 +39,10 @@ std::string escaped(const std::string& name) {
   return s;
 }
 
-std::string item(const std::string& h5, const std::string& path, const std::string& dimensions, bool integer = false) {
-  return "<DataItem Format=\"HDF\" " +
-         std::string(integer ? "NumberType=\"Int\" Precision=\"4\"" : "NumberType=\"Float\" Precision=\"8\"") +
-         " Dimensions=\"" + dimensions + "\">" + escaped(h5) + ":" + path + "</DataItem>\n";
+std::string item(const std::string& h5, const std::string& path, const std::string& dimensions,
+                 const char* type = "NumberType=\"Float\" Precision=\"8\"") {
+  return "<DataItem Format=\"HDF\" " + std::string(type) + " Dimensions=\"" + dimensions + "\">" + escaped(h5) + ":" +
+         path + "</DataItem>\n";
 }
 
 std::string attributes(const std::string& h5, const std::vector<XdmfField>& fields, const char* centre,
@@ -50,7 +50,11 @@ std::string attributes(const std::string& h5, const std::vector<XdmfField>& fiel
   std::string s;
   for (const XdmfField& f : fields)
     s += "<Attribute Name=\"" + f.name + "\" AttributeType=\"" + (f.components == 3 ? "Vector" : "Scalar") +
-         "\" Center=\"" + centre + "\">\n" + item(h5, f.path, dimensions + (f.components == 3 ? " 3" : ""), f.integer) +
+         "\" Center=\"" + centre + "\">\n" +
+         item(h5, f.path, dimensions + (f.components == 3 ? " 3" : ""),
+              f.blanks    ? "NumberType=\"UChar\" Precision=\"1\""
+              : f.integer ? "NumberType=\"Int\" Precision=\"4\""
+                          : "NumberType=\"Float\" Precision=\"8\"") +
          "</Attribute>\n";
   return s;
 }
@@ -63,7 +67,8 @@ std::runtime_error not_written(const std::string& path) {
 
 /// /fluid/000012/u and the like.
 std::vector<XdmfField> at(const std::string& group, std::vector<XdmfField> fields) {
-  for (XdmfField& f : fields) f.path = group + f.name;
+  for (XdmfField& f : fields)
+    if (f.path.empty()) f.path = group + f.name;
   return fields;
 }
 
@@ -79,6 +84,12 @@ std::string text_of(const XdmfFrame& f) {
 }
 
 }  // namespace
+
+std::vector<XdmfField> open_fields(const std::string& grid) {
+  XdmfField theta{"theta", grid + "/theta"}, blank{"vtkGhostType", grid + "/blank"};
+  blank.blanks = true;
+  return {theta, blank};
+}
 
 std::string xdmf_grid(const std::string& name, const std::string& h5, const std::string& nodes, const Int3& n,
                       const std::vector<XdmfField>& fields) {

@@ -14,7 +14,11 @@ struct XdmfField {
   std::string name, path;
   int components = 1;
   bool integer = false;
+  bool blanks = false;  ///< bytes that tell ParaView which cells not to show (vtkGhostType)
 };
+
+/// Of grids that bodies cut: the open share of cells, and those that ParaView leaves out. grid: /grid or /particle_grid.
+std::vector<XdmfField> open_fields(const std::string& grid);
 
 /// A rectilinear grid of n cells whose node coordinates are the datasets nodes/x, /y, /z, with a value a cell.
 std::string xdmf_grid(const std::string& name, const std::string& h5, const std::string& nodes, const Int3& n,
@@ -24,7 +28,8 @@ std::string xdmf_grid(const std::string& name, const std::string& h5, const std:
 std::string xdmf_points(const std::string& name, const std::string& h5, const std::string& position, long long count,
                         const std::vector<XdmfField>& fields);
 
-/// A frame: what of it is shown. The paths of its fields follow from their names (output.h has the layout).
+/// A frame: what of it is shown. The paths of its fields follow from their names (output.h has the layout), but where one
+/// is given.
 struct XdmfFrame {
   std::string h5, name;  ///< the HDF5 file, relative to the XDMF file; of the frame in it
   double time = 0;       ///< s

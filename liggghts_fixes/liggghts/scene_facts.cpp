@@ -15,13 +15,13 @@
 #include <mpi.h>
 #include <neighbor.h>
 #include <pair_gran.h>
-#include <primitive_wall.h>
 #include <update.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "cfd/grid/pi.h"
+#include "liggghts_fixes/bodies/primitive_shape.h"
 #include "liggghts_fixes/contacts/granular_contacts.h"
 
 namespace twogrid {
@@ -119,7 +119,9 @@ void read_walls(LAMMPS& lammps, SceneFacts& facts) {
     if (wall->is_mesh_wall()) {
       for (int m = 0; m < wall->n_meshes(); ++m) {
         WallFacts mesh;
+        mesh.kind = WallFacts::Kind::kMesh;
         mesh.id = wall->mesh_list()[m]->id;
+        mesh.wall = wall->id;
         BoundingBox box = wall->mesh_list()[m]->triMesh()->getGlobalBoundingBox();
         double lo[3], hi[3];
         box.getBoxBounds(lo, hi);
@@ -128,34 +130,23 @@ void read_walls(LAMMPS& lammps, SceneFacts& facts) {
       }
       continue;
     }
-    PrimitiveWall* primitive = wall->primitiveWall();
-    if (!primitive) continue;
-    // The vector from a point to a plane wall tells where the wall stands; from two points it tells planes from
-    // cylinders.
-    WallFacts plane;
-    plane.id = wall->id;
-    double positions[2][3];
-    bool flat = true;
-    for (int k = 0; k < 2; ++k) {
-      double x[3], delta[3] = {0, 0, 0};
-      for (int d = 0; d < 3; ++d) x[d] = domain.boxlo[d] + (k == 0 ? 0.31 : 0.62) * domain.prd[d];
-      primitive->resolveContact(x, 0.0, delta);
-      int along = 0;
-      for (int d = 0; d < 3; ++d) along += delta[d] != 0;
-      flat = flat && along <= 1;
-      for (int d = 0; d < 3; ++d) {
-        positions[k][d] = x[d] + delta[d];
-        if (delta[d] != 0 && along == 1) plane.normal = d;
+    if (!wall->primitiveWall()) continue;
+    const Primitive p = primitive_of(*wall);
+    WallFacts primitive;
+    primitive.id = primitive.wall = wall->id;
+    if (p.cylinder) {
+      primitive.kind = WallFacts::Kind::kCylinder;
+      primitive.axis = p.axis, primitive.radius = p.value[0];
+      for (int d = 0, q = 1; d < 3; ++d) {
+        primitive.bounds[2 * d] = d == p.axis ? domain.boxlo[d] : p.value[q] - p.value[0];
+        primitive.bounds[2 * d + 1] = d == p.axis ? domain.boxhi[d] : p.value[q] + p.value[0];
+        q += d != p.axis;
       }
-    }
-    const int n = plane.normal;
-    if (flat && n >= 0 && std::abs(positions[0][n] - positions[1][n]) <= 1e-9 * domain.prd[n]) {
-      plane.position = positions[0][n];
     } else {
-      plane.normal = -1;
-      for (int d = 0; d < 3; ++d) plane.bounds[2 * d] = domain.boxlo[d], plane.bounds[2 * d + 1] = domain.boxhi[d];
+      primitive.kind = WallFacts::Kind::kPlane;
+      primitive.axis = p.axis, primitive.position = p.value[0];
     }
-    facts.walls.push_back(plane);
+    facts.walls.push_back(primitive);
   }
 }
 

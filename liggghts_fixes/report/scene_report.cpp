@@ -105,6 +105,7 @@ SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneF
       const double bed_U = n.Umf > 0 ? n.Umf : n.U;
       const double beta =
           150 * (1 - kEps) * (1 - kEps) * mu / (kEps * d * d) + 1.75 * (1 - kEps) * rho * (bed_U / kEps) / d;
+      n.beta = beta;
       n.tau = facts.density * (1 - kEps) / beta;
     }
   }
@@ -128,6 +129,43 @@ int automatic_every(const SceneNumbers& n, const Settings& s, double dem_dt) {
   return std::clamp(int(interval / dem_dt), 1, 100);
 }
 
+/// Thickness sqrt(mu eps/beta) of the layer in which a packed bed's flow feels a wall (m); 0: unknown.
+static double friction_layer(const Settings& s, const SceneNumbers& n) {
+  constexpr double kEps = 0.4;
+  return n.beta > 0 ? std::sqrt(s.fluid.viscosity * kEps / n.beta) : 0;
+}
+
+/// Of a wall inside the fluid's domain that the fluid doesn't know; else empty.
+static std::string blown_through(const WallFacts& wall, const Settings& s, double h) {
+  const auto& dom = s.domain;
+  const double slack = 0.01 * h;
+  if (wall.solid) return "";
+  const bool mesh = wall.kind == WallFacts::Kind::kMesh;
+  const std::string line = "'fix_modify " + s.id + " solid " + wall.id + (mesh ? " mesh " : " wall ") + wall.id + "'";
+  if (wall.kind == WallFacts::Kind::kPlane) {
+    const int i = wall.axis;
+    const double lo = dom[2 * i], hi = dom[2 * i + 1];
+    if (wall.position <= lo + slack || wall.position >= hi - slack) return "";
+    const bool high = wall.position > 0.5 * (lo + hi);
+    return "the wall of fix " + wall.id + " at " + "xyz"[i] + " = " + text(wall.position) +
+           " stands inside the fluid's domain, and the fluid blows through it: let the domain " +
+           (high ? "end" : "begin") + " there (domain ... " + kSideNames[2 * i + high] + " " + text(wall.position) +
+           " ...), or say " + line;
+  }
+  double farthest = 0;  // corner of the domain from a cylinder's axis
+  for (int i = 0; i < 3; ++i) {
+    if (wall.bounds[2 * i] >= dom[2 * i + 1] - slack || wall.bounds[2 * i + 1] <= dom[2 * i] + slack) return "";
+    if (i == wall.axis) continue;
+    const double centre = 0.5 * (wall.bounds[2 * i] + wall.bounds[2 * i + 1]);
+    const double away = std::max(std::abs(dom[2 * i] - centre), std::abs(dom[2 * i + 1] - centre));
+    farthest += away * away;
+  }
+  if (wall.kind == WallFacts::Kind::kCylinder && farthest <= wall.radius * wall.radius) return "";
+  return "the wall of fix " + wall.wall + (mesh ? " (mesh " + wall.id + ")" : " (cylinder)") +
+         " stands inside the fluid's domain, and the fluid blows through it: say " + line +
+         " before the first run, and it is solid for the fluid as well";
+}
+
 /// What the drag of a bed that ends somewhere in a particle cell falls short by, of its pressure drop: c D/H, D the
 /// particle cell along gravity, H the height of the particles settled to eps = 0.4. c: means over places of the end, in
 /// the study bed_end (cases/studies). 0: no bed to speak of.
@@ -139,6 +177,7 @@ static double short_at_bed_end(const Settings& s, const FineGrid& grid, const Sc
   double section = 1;
   for (int d = 0; d < 3; ++d)
     if (d != along) section *= grid.axis[d].length();
+  if (facts.cut) section = facts.cut->open_volume / grid.axis[along].length();
   *height = double(facts.particles) * kPi / 6 * facts.d_mean * facts.d_mean * facts.d_mean / (0.6 * section);
   const double D = grid.axis[along].length() / s.fine[along] * s.ratio[along];
   return (s.deposit == Deposit::kTrilinear ? 0.40 : 0.27) * D / *height;
@@ -204,36 +243,77 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
             "they lie there, or take more cells across it");
     }
   }
-  const auto& dom = s.domain;
-  for (const WallFacts& wall : facts.walls) {
-    if (wall.normal >= 0) {
-      const int i = wall.normal;
-      const double lo = dom[2 * i], hi = dom[2 * i + 1], slack = 0.01 * n.h_min;
-      if (wall.position <= lo + slack || wall.position >= hi - slack) continue;
-      const bool high = wall.position > 0.5 * (lo + hi);
-      w.push_back("the wall of fix " + wall.id + " at " + "xyz"[i] + " = " + text(wall.position) +
-                  " stands inside the fluid's domain, and the fluid blows through it: let the domain " +
-                  (high ? "end" : "begin") + " there (domain ... " + kSideNames[2 * i + high] + " " +
-                  text(wall.position) + " ...)");
-      continue;
-    }
-    bool inside = true;
-    for (int i = 0; i < 3; ++i) {
-      const double slack = 0.01 * n.h_min;
-      inside = inside && wall.bounds[2 * i] < dom[2 * i + 1] - slack && wall.bounds[2 * i + 1] > dom[2 * i] + slack;
-    }
-    if (inside)
-      w.push_back(
-          "the wall of fix " + wall.id +
-          " (mesh or cylinder) stands inside the fluid's domain, and the fluid blows through it: keep walls on the "
-          "domain's sides, or accept that the fluid doesn't see it");
-  }
+  for (const WallFacts& wall : facts.walls)
+    if (const std::string sentence = blown_through(wall, s, n.h_min); !sentence.empty()) w.push_back(sentence);
+  if (facts.cut && facts.cut->narrowest > 0 && below(facts.cut->narrowest, 4))
+    w.push_back("the narrowest opening between walls is " + brief(facts.cut->narrowest) +
+                " cells wide, below 4: its flow is wrong by some per cent to tens of them; take finer cells by 'fine'");
+  for (std::size_t b = 0; facts.cut && b < facts.cut->bodies.size(); ++b)
+    if (const CutReport::OfBody& body = facts.cut->bodies[b]; body.cells == 0 && body.area == 0 && body.volume == 0)
+      w.push_back("body 'solid " + body.name + "' meets no cell of the fluid's domain: see its place and its size");
+  if (facts.nodes && facts.nodes->split > 0)
+    w.push_back(
+        "a wall parts " + std::to_string(facts.nodes->split) +
+        " particle cells in two, and the void fraction smears across it: lower ratio, or move the wall onto sides "
+        "of particle cells");
+  if (facts.cut && facts.cut->thin_edges > 0)
+    w.push_back(
+        "bodies are thinner than a cell at " + std::to_string(facts.cut->thin_edges) +
+        " edges of cells, where the fluid doesn't see them whole: take finer cells by 'fine', or thicker walls");
   if (facts.equal_kn > 0)
     w.push_back("model hooke raises a number to a power at every contact: hooke/stiffness with kn " +
                 brief(facts.equal_kn) +
                 " N/m has the same contact time between these particles, and runs some three times as fast");
   if (s.one_way) w.push_back("one-way: the particles feel the fluid, the fluid does not feel them");
   return w;
+}
+
+/// What the report says of vessels and bodies: "name: value".
+static std::vector<std::string> body_lines(const Script& script, const SceneFacts& facts, const SceneNumbers& n) {
+  std::vector<std::string> lines;
+  if (!facts.cut) return lines;
+  const Settings& s = script.settings;
+  const CutReport& cut = *facts.cut;
+  bool rubs = false, slips = false;
+  for (std::size_t b = 0; b < cut.bodies.size() && b < script.bodies.size(); ++b) {
+    const BodyNames& names = script.bodies[b];
+    const CutReport::OfBody& body = cut.bodies[b];
+    (names.slip ? slips : rubs) = true;
+    const char* const kinds[] = {"mesh ", "wall ", "region "};
+    lines.push_back("solid " + names.name + ": " + kinds[int(names.kind)] + names.id +
+                    (names.slip ? ", slip; " : ", noslip; ") + brief(body.area) + " m2 of its surface in the fluid, " +
+                    (body.volume > 0 ? brief(body.volume) + " m3 closed, " : "") + std::to_string(body.cells) +
+                    " cells cut");
+  }
+  if (!cut.fluid_side.empty()) lines.push_back("fluid is: " + cut.fluid_side);
+  double domain = 1;
+  for (int d = 0; d < 3; ++d) domain *= s.domain[2 * d + 1] - s.domain[2 * d];
+  const double cells = double(s.fine[0]) * s.fine[1] * s.fine[2];
+  lines.push_back(
+      "open to the fluid: " + brief(cut.open_volume) + " m3, " + brief(100 * cut.open_volume / domain) +
+      " % of the domain; " + std::to_string(cut.closed_cells) + " of " + std::to_string((long long)cells) +
+      " cells closed" +
+      (cut.pocket_volume > 0 ? ", of them " + brief(cut.pocket_volume) + " m3 in pockets that nothing leads to" : ""));
+  if (cut.narrowest > 0) lines.push_back("narrowest opening: " + brief(cut.narrowest) + " cells");
+  if (facts.nodes)
+    lines.push_back("particle cells: " + std::to_string(facts.nodes->cut - facts.nodes->closed) + " cut, of which " +
+                    std::to_string(facts.nodes->merged) +
+                    " share their value with a neighbour; smallest open part of a "
+                    "cell and what it shares with: " +
+                    brief(facts.nodes->smallest) + " of a whole one");
+  lines.push_back(
+      "walls in cut cells: second order in the cell" + std::string(slips ? "; slip: first order" : "") +
+      (cut.slivers > 0 ? "; " + std::to_string(cut.slivers) + " faces are slivers: pressure and friction only" : "") +
+      (cut.thin_edges > 0 ? "; " + std::to_string(cut.thin_edges) +
+                                " edges of cells are crossed twice: what is thinner than a cell is lost"
+                          : ""));
+  if (const double layer = friction_layer(s, n); rubs && layer > 0)
+    lines.push_back("wall's layer in a bed: " + brief(layer) + " m = " + brief(layer / n.h_min) + " cells" +
+                    (layer < 2 * n.h_min
+                         ? ": friction on walls is not resolved there and falls short; flow and pressure "
+                           "drop of the bed don't hang on it"
+                         : ""));
+  return lines;
 }
 
 std::vector<std::string> scene_savings(const Settings& s, const SceneFacts& facts) {
@@ -328,13 +408,20 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
       const bool silent = c.name.empty() && !script.side_given[side];
       std::string what = condition_text(c);
       if (silent) what += c.kind == BoundaryKind::kPeriodic ? " (as the box)" : " (not given in the script)";
-      if (!c.name.empty()) {
-        const PatchSize size = patch_sizes(s.fluid, side, grid)[i];
+      const PatchSize size = patch_sizes(s.fluid, side, grid)[i];
+      if (!c.name.empty())
         what += ", " + brief(size.open) + " m2 of fine faces" +
                 (size.drawn >= 0 ? " (drawn: " + brief(size.drawn) + " m2)" : "");
-      }
+      if (facts.cut && i < facts.open_area[side].size() && c.kind != BoundaryKind::kPeriodic)
+        what += facts.open_area[side][i] < size.open * (1 - 1e-9)
+                    ? ", of " + brief(size.open) + " m2 open: " + brief(facts.open_area[side][i]) + " m2"
+                    : ", wholly open";
       line(std::string(kSideNames[side]) + (c.name.empty() ? "" : " patch " + c.name), what);
     }
+  for (const std::string& text : body_lines(script, facts, n)) {
+    const auto colon = text.find(": ");
+    line(text.substr(0, colon), text.substr(colon + 2));
+  }
   line("fluid", "density " + text(s.fluid.density) + " kg/m3, viscosity " + text(s.fluid.viscosity) + " Pa s");
   if (facts.particles > 0 || facts.d_mean > 0) {
     std::string d = facts.d_min == facts.d_max
@@ -384,7 +471,8 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
   line("CFL over an interval", brief(n.cfl) + " (about " +
                                    std::to_string(std::max(1, int(std::ceil(n.cfl / s.fluid.cfl)))) +
                                    " fluid steps with cfl " + text(s.fluid.cfl) + ")");
-  const double cells = double(s.fine[0]) * s.fine[1] * s.fine[2];
+  const double all_cells = double(s.fine[0]) * s.fine[1] * s.fine[2];
+  const double cells = all_cells - (facts.cut ? double(facts.cut->closed_cells) : 0);
   if (facts.particles > 0) {
     // 0.1 us a particle and DEM step, 0.4 us a cell and fluid step: one core, order of magnitude only
     const double dem = 0.1e-6 * double(facts.particles) * s.every;

@@ -2,21 +2,29 @@
 // remedy. Pure functions.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "cfd/bodies/cut_grid.h"
 #include "coupling/control/accuracy.h"
 #include "coupling/settings.h"
+#include "coupling/two_grid/open_nodes.h"
 #include "liggghts_fixes/script/script.h"
 
 namespace twogrid {
 
 /// A wall of LIGGGHTS, as far as the fluid is concerned.
 struct WallFacts {
-  std::string id;                  ///< of the fix
-  int normal = -1;                 ///< plane walls: direction of the normal; -1: cylinder or mesh
-  double position = 0;             ///< plane walls (m)
-  std::array<double, 6> bounds{};  ///< meshes: xlo xhi ylo yhi zlo zhi (m)
+  enum class Kind { kPlane, kCylinder, kMesh } kind = Kind::kMesh;
+  std::string id;                  ///< of the mesh; of the wall's fix, if it is a primitive
+  std::string wall;                ///< of the wall's fix
+  int axis = -1;                   ///< plane: direction of the normal; cylinder: its axis
+  double position = 0;             ///< plane (m)
+  double radius = 0;               ///< cylinder (m)
+  std::array<double, 6> bounds{};  ///< cylinder and mesh: xlo xhi ylo yhi zlo zhi (m)
+  bool solid = false;              ///< the script has made it a body of the fluid
 };
 
 /// Neighbour skins in this range cost the same, others up to twice as much (mean diameters; measured:
@@ -40,7 +48,10 @@ struct SceneFacts {
   std::string contacts;                     ///< what evaluates them; empty: no granular pair style
   double equal_kn = 0;  ///< k_n of hooke/stiffness for the same contacts as model hooke, N/m; 0: none
   std::vector<WallFacts> walls;
-  bool still = false;  ///< no fix moves particles
+  std::optional<CutReport> cut;                  ///< bodies in the fluid's grid; none: there are none
+  std::optional<OpenNodes::Figures> nodes;       ///< what they make of the particle grid
+  std::array<std::vector<double>, 6> open_area;  ///< with bodies: of each condition of each side (m2)
+  bool still = false;                            ///< no fix moves particles
   int ranks = 1;
   Int3 bricks{1, 1, 1}, fluid_bricks{1, 1, 1};
 };
@@ -53,7 +64,8 @@ struct SceneNumbers {
   double Umf = 0;       ///< Ergun (1952) at eps = 0.4 (m/s)
   double Re = 0;        ///< rho_f U d / mu
   double Stokes = 0;    ///< of collisions, rho_p U d / (9 mu)
-  double tau = 0;  ///< response time of particles to the drag, dense: rho_p eps_s / beta (Ergun at eps = 0.4, U), s
+  double tau = 0;   ///< response time of particles to the drag, dense: rho_p eps_s / beta (Ergun at eps = 0.4, U), s
+  double beta = 0;  ///< drag coefficient of a packed bed (Ergun at eps = 0.4 and U, of the open volume), kg/(m3 s)
   bool U_varies = false;  ///< an inlet follows a variable: U holds its value of now
   double noise = 0;  ///< velocity by which a particle replaces fluid when it changes its particle cell at once (m/s)
   double cfl = 0;    ///< U_max dt_coupling / h_min with interstitial velocity (eps = 1 at inlets)

@@ -255,6 +255,51 @@ void parse_most_lost(const Line& line) {
       line.words.take_if("off") ? -1 : line.words.whole(line.keyword, "a number of particles, at least 0, or off", 0);
 }
 
+// ---- bodies --------------------------------------------------------------------------------------------------------
+
+const Options<BodyNames::Kind> kBodies{
+    {BodyNames::Kind::kMesh, "mesh"}, {BodyNames::Kind::kWall, "wall"}, {BodyNames::Kind::kRegion, "region"}};
+
+void parse_solid(const Line& line) {
+  Words& words = line.words;
+  BodyNames body;
+  body.name = words.name("solid", "a name for the body, then mesh FIXID, wall FIXID or region ID");
+  const std::string keyword = "solid " + body.name;
+  for (const BodyNames& other : line.script.bodies)
+    if (other.name == body.name) refuse(keyword, "a second body of this name", "a name of its own for each body");
+  body.kind = take_option(words, keyword, kBodies);
+  const std::string kind = option_of(kBodies, body.kind).word;
+  body.id = words.name(keyword + " " + kind,
+                       body.kind == BodyNames::Kind::kRegion ? "the id of a region" : "the id of a fix");
+  bool slip_given = false;
+  for (;;) {
+    const bool slip = words.next_is("slip");
+    if (slip || words.next_is("noslip")) {
+      if (slip_given) refuse(keyword, "noslip and slip, or one of them twice", "one of them");
+      slip_given = true, body.slip = slip;
+      words.word("", "");
+    } else if (words.take_if("fluid_at")) {
+      Vec3 x;
+      for (double& c : x)
+        c = words.number(keyword + " fluid_at", "three coordinates in m of a point in the fluid", kCoordinates);
+      body.fluid_at.push_back(x);
+    } else {
+      break;
+    }
+  }
+  line.script.bodies.push_back(body);
+}
+
+std::string solid_text(const Script& script) {
+  std::string s;
+  for (const BodyNames& b : script.bodies) {
+    s += (s.empty() ? "" : "; ") + b.name + " " + option_of(kBodies, b.kind).word + " " + b.id +
+         (b.slip ? " slip" : " noslip");
+    for (const Vec3& x : b.fluid_at) s += " fluid_at " + three(x);
+  }
+  return s;
+}
+
 // ---- flow and steps ------------------------------------------------------------------------------------------------
 
 void parse_flow_rate(const Line& line) {
@@ -324,6 +369,10 @@ std::vector<Keyword> make_rows() {
       {"boundary", "SIDE condition, or SIDE `patch` NAME shape condition", "", "see below",
        "`slip`, or periodic where the box is", "", [](const Line& l) { parse_boundary(l.script, l.words, l.started); },
        boundary_text, nullptr, true, true},
+      {"solid",
+       "NAME, then `mesh` FIXID, `wall` FIXID or `region` ID, then perhaps `noslip` or `slip`, `fluid_at` x y z (m)",
+       "", "a vessel or body that is solid for the fluid, see Vessels and bodies; several", "none; noslip", "",
+       parse_solid, solid_text, nullptr, true},
       {"initial u", "ux uy uz", "m/s", "interstitial velocity at the beginning", "", "flow",
        [](const Line& l) { l.fluid().initial_velocity = three_numbers(l, "three velocities in m/s", kVelocities); },
        [](const Script& s) { return three(s.settings.fluid.initial_velocity); }},

@@ -33,6 +33,16 @@ struct CheckpointPlan {
   bool by_itself() const { return every > 0 || seconds > 0; }
 };
 
+/// A vessel or body in the fluid, by the name of what it is in LIGGGHTS (liggghts_fixes/bodies/).
+struct BodyNames {
+  enum class Kind { kMesh, kWall, kRegion };
+  std::string name;
+  Kind kind = Kind::kMesh;
+  std::string id;  ///< of the fix mesh/surface, the fix wall/gran or the region
+  bool slip = false;
+  std::vector<Vec3> fluid_at;  ///< m; empty: not given
+};
+
 /// A script so far.
 struct Script {
   Settings settings;
@@ -43,6 +53,7 @@ struct Script {
   long long most_lost = -1;          ///< particles that may vanish before the run ends; -1: any number
   std::array<bool, 6> side_given{};  ///< the whole side's condition was stated
   std::array<std::vector<ConditionNames>, 6> names;
+  std::vector<BodyNames> bodies;
 };
 
 /// The simulation box as far as it concerns the fluid.

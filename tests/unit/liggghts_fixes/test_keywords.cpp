@@ -75,6 +75,7 @@ TEST(Keywords, EachRowPrintsWhatTheScriptGave) {
       {"hold", "off"},
       {"one-way", "yes"},
       {"boundary", "xlo noslip"},
+      {"solid", "vessel mesh cad slip fluid_at 0.1 0.2 0.3"},
       {"initial u", "1 2 3"},
       {"initial vortex", "0.1"},
       {"pressure_gradient", "0 0 -5"},

@@ -98,19 +98,36 @@ TEST(SceneWarnings, WallsInsideTheDomain) {
   const Settings s = scene();
   const FineGrid grid = fine_grid(s, {false, false, false});
   SceneFacts f = facts();
+  const auto warnings = [&](const WallFacts& wall) {
+    f.walls = {wall};
+    return scene_warnings(s, grid, f, scene_numbers(s, grid, f));
+  };
   WallFacts floor;
-  floor.id = "floor", floor.normal = 2, floor.position = 0;
-  f.walls.push_back(floor);
-  EXPECT_FALSE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "floor"));
-  f.walls[0].position = 0.01;
-  EXPECT_TRUE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "zlo 0.01"));
-  f.walls[0].position = 0.19;
-  EXPECT_TRUE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "zhi 0.19"));
-  f.walls[0].normal = -1;
-  f.walls[0].bounds = {0, 0, 0, 0.01, 0, 0.2};  // a mesh that lies in the side xlo
-  EXPECT_FALSE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "floor"));
-  f.walls[0].bounds = {0.01, 0.03, 0, 0.01, 0, 0.05};
-  EXPECT_TRUE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "mesh"));
+  floor.kind = WallFacts::Kind::kPlane, floor.id = floor.wall = "floor", floor.axis = 2, floor.position = 0;
+  EXPECT_FALSE(any_with(warnings(floor), "floor"));
+  floor.position = 0.01;
+  EXPECT_TRUE(any_with(warnings(floor), "zlo 0.01"));
+  EXPECT_TRUE(any_with(warnings(floor), "'fix_modify " + s.id + " solid floor wall floor'"));
+  floor.position = 0.19;
+  EXPECT_TRUE(any_with(warnings(floor), "zhi 0.19"));
+  floor.solid = true;
+  EXPECT_FALSE(any_with(warnings(floor), "floor"));
+  WallFacts mesh;
+  mesh.id = "cad", mesh.wall = "steel";
+  mesh.bounds = {0, 0, 0, 0.01, 0, 0.2};  // a mesh that lies in the side xlo
+  EXPECT_FALSE(any_with(warnings(mesh), "cad"));
+  mesh.bounds = {0.01, 0.03, 0, 0.01, 0, 0.05};
+  EXPECT_TRUE(any_with(warnings(mesh), "'fix_modify " + s.id + " solid cad mesh cad'"));
+  mesh.solid = true;
+  EXPECT_FALSE(any_with(warnings(mesh), "cad"));
+  // a cylinder around the whole domain (40 x 10 mm), and one that cuts its corners off
+  WallFacts tube;
+  tube.kind = WallFacts::Kind::kCylinder, tube.id = tube.wall = "tube", tube.axis = 2, tube.radius = 0.021;
+  tube.bounds = {0.02 - 0.021, 0.02 + 0.021, 0.005 - 0.021, 0.005 + 0.021, 0, 0.2};
+  EXPECT_FALSE(any_with(warnings(tube), "tube"));
+  tube.radius = 0.02;
+  tube.bounds = {0, 0.04, -0.015, 0.025, 0, 0.2};
+  EXPECT_TRUE(any_with(warnings(tube), "solid tube wall tube"));
 }
 
 TEST(SceneWarnings, EachHasItsCause) {

@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+"""Vessels and bodies that can't be: a sentence each, or they are right.
+
+    bad_bodies.py EXECUTABLE
+
+Wanted of each wrong one: a non-zero exit code, one line that begins with ERROR, in it the words listed. Of those that are right: the same
+pressure drop as without the flaw, and a warning where one is due.
+
+What would pass falsely without it: gas through a hole in the steel, or none of it, computed for hours; an inlet that is walled up
+and flows none the less; a body that the grid doesn't see, or that nobody finds, without a word.
+"""
+import concurrent.futures
+
+from bodies import C, H, MU, R, RHO, WALL, WIDE, stl
+from harness import Checks, Run, arguments, column, head
+
+MESH = "fix cad all mesh/surface file a.stl type 1"
+TUBE = f"region tube cylinder z {C[0]} {C[1]} {R} INF INF side out units box"
+BALL = "region ball sphere 0.0085 0.0085 0.009 0.003 units box"
+POINT = " fluid_at 0.0085 0.0085 0.009"
+
+
+def script(before, modify, after="", inlet="0 0 0.1", steps=20, outside=False):
+    grains = "".join(f"create_atoms 1 single {x} {x} 0.009 units box\n" for x in ([0.0085, 0.0005] if outside else [0.0085]))
+    return head(f"0 {WIDE} 0 {WIDE} 0 {H}", 1e-4, boundary="f f f") + grains + f"""set group all diameter 1e-5 density 2500
+{before}
+fix gas all twogrid fine 18 18 18 ratio 3 3 3 density {RHO} viscosity {MU} every 10
+fix_modify gas boundary zlo inlet {inlet} boundary zhi pressure 0
+{modify}
+thermo_style custom step f_gas[4] f_gas[5]
+thermo_modify norm no
+thermo {steps}
+run {steps}
+{after}
+"""
+
+
+def tube(**options):
+    return stl([(R, 0.0), (R, 0.4 * H), (R, H)], **options)
+
+
+def with_hole(text):
+    """Some facets less: a hole two cells wide."""
+    facets = text.split("facet normal")
+    return "facet normal".join(facets[:200] + facets[220:])
+
+
+def ball(radius=4e-3, centre=0.009, **options):
+    import numpy as np
+    rings = [(radius * np.sin(a), centre - radius * np.cos(a)) for a in np.linspace(0, np.pi, 24)]
+    return stl(rings, facets=48, **options)
+
+
+# name: lines before the fix, fix_modify, words of the sentence, further: script(), files
+WRONG = {
+    "no fix of that id": ("", "solid a mesh nope", "solid a mesh", "nope", "no fix of that id"),
+    "a fix of another kind": (WALL.format(what="primitive type 1 zplane 0"), "solid a mesh steel", "solid a mesh", "wall/gran", "mesh/surface"),
+    "no region of that id": ("", "solid a region nope", "no region of that id"),
+    "region that moves": ("variable q equal 0.001*step\nregion ball sphere 0.0085 0.0085 0.009 0.003 move v_q NULL NULL units box", "solid a region ball", "moves"),
+    "region that grows": ("variable q equal 0.003+0.001*step\nregion ball sphere 0.0085 0.0085 0.009 v_q units box", "solid a region ball", "shape"),
+    "mesh that moves": (MESH + "\nfix turn all move/mesh mesh cad rotate origin 0 0 0 axis 0 0 1 period 1", "solid a mesh cad", "turn", "at rest"),
+    "unknown kind": (BALL, "solid a sphere ball", "found sphere", "mesh, wall or region"),
+    "no name": (BALL, "solid", "end of the line"),
+    "one name twice": (BALL, "solid a region ball solid a region ball", "second body of this name"),
+    "slip and noslip": (BALL, "solid a region ball slip noslip", "noslip and slip"),
+    "fluid_at outside": (BALL, "solid a region ball fluid_at 0.1 0 0", "fluid_at", "domain"),
+    "fluid_at in the solid": (BALL, "solid a region ball" + POINT, "fluid_at", "solid of a"),
+    "fluid_at cut short": (BALL, "solid a region ball fluid_at 0.1 0", "fluid_at", "three coordinates"),
+    "both sides reach inlet and outlet": (MESH + "\n" + WALL.format(what="mesh n_meshes 1 meshes cad"), "solid a mesh cad", "fluid_at", dict(outside=True)),
+    "a mesh that leaks": (MESH, "solid a mesh cad" + POINT, "body 'a'", "fluid on both sides"),
+    "no room left": ("region all block INF INF INF INF INF INF units box", "solid a region all", "body 'a'", "no edge"),
+    "inlet walled up": ("region plug block INF INF INF INF INF 0.002 units box", "solid a region plug", "zlo", "cover"),
+    "outlet walled up": ("region plug block INF INF INF INF 0.016 INF units box", "solid a region plug", "outlet"),
+    "wall between inlet and outlet": ("region plug block INF INF INF INF 0.008 0.011 units box", "solid a region plug", "outlet"),
+    "body outside the domain": ("region ball sphere 0.0085 0.0085 0.09 0.003 units box", "solid a region ball", "body 'a'", "outside"),
+    "body thinner than a cell": ("region sheet block INF INF 0.0101 0.0103 0.004 0.012 units box", "solid a region sheet", "thinner than a cell"),
+    "after the first run": (BALL, "cfl 0.3", "solid", "first run", dict(after="fix_modify gas solid a region ball")),
+    "another shape in a later run": (BALL, "solid a region ball", "another shape", dict(after="region ball delete\nregion ball sphere 0.0085 0.0085 0.009 0.004 units box\nrun 10")),
+}
+
+
+def main():
+    executable, _ = arguments()
+    c = Checks("bodies that can't be")
+
+    def wrong(name):
+        before, modify, *words = WRONG[name]
+        further = words.pop() if isinstance(words[-1], dict) else {}
+        text = with_hole(tube()) if "leaks" in name else tube()
+        run = Run(executable, script(before, "fix_modify gas " + modify, **further), expect_success=False, files={"a.stl": text})
+        errors = [line for line in run.output.split("\n") if line.startswith("ERROR")]
+        return name, run.code != 0 and len(errors) == 1 and all(w in errors[0] for w in words), errors or run.output[-300:]
+
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        for name, good, said in pool.map(wrong, WRONG):
+            c.true(f"{name}: {said}", good)
+
+    def drop(before, modify, text=""):
+        run = Run(executable, script(before, modify and "fix_modify gas " + modify), files={"a.stl": text} if text else None)
+        return column(run.thermo(), "f_gas[4]")[-1], run
+
+    mesh = MESH + "\n" + WALL.format(what="mesh n_meshes 1 meshes cad")
+    right, _ = drop(mesh, "solid a mesh cad" + POINT, tube())
+    for name, (before, modify, text) in {
+            "inverted mesh": (mesh, "solid a mesh cad" + POINT, tube(inverted=True)),
+            "a mesh, and within its solid a region": (mesh + "\n" + f"region tube cylinder z {C[0]} {C[1]} {R * 1.3} INF INF side out units box",
+                                                      "solid a mesh cad solid b region tube" + POINT, tube()),
+            "a mesh, and a region less than a cell behind it": (mesh + "\n" + f"region tube cylinder z {C[0]} {C[1]} {R * 1.02} INF INF side out units box",
+                                                                "solid a mesh cad solid b region tube" + POINT, tube()),
+    }.items():
+        got, _ = drop(before, modify, text)
+        c.below(f"{name}: pressure drop against the right one, relative", abs(got / right - 1), 0.01 if "less than" in name else 1e-6)
+    _, run = drop(mesh, "", tube())
+    c.true("a wall that the fluid doesn't see: the line to add", "'fix_modify gas solid cad mesh cad'" in run.output)
+    _, run = drop(MESH, "solid a mesh cad" + POINT, tube())
+    c.true("a mesh that the particles don't feel: a warning", "is no wall for the particles" in run.output)
+    c.end()
+
+
+if __name__ == "__main__":
+    main()
