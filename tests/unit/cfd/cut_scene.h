@@ -5,7 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "cfd/bodies/cut_grid.h"
 #include "cfd/bodies/simple_shapes.h"
@@ -31,7 +35,7 @@ struct CutScene {
     const int ranks = ranks_of(comm);
     Int3 dims{0, 0, 0};
     for (int d = 0; d < 3; ++d)
-      if (grid.axis[d].n() < 2 * ranks) dims[d] = 1;
+      if (grid.axis[d].n() < ranks) dims[d] = 1;
     MPI_Dims_create(ranks, 3, dims.data());
     std::array<std::vector<int>, 3> cuts;
     for (int d = 0; d < 3; ++d) cuts[d] = cuts_even(grid.axis[d], dims[d]);

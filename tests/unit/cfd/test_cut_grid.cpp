@@ -224,8 +224,9 @@ TEST(CutGrid, CirclesAndBallsAreOfSecondOrder) {
         EXPECT_NEAR(sum, 0, 1e-13);
       }
     }
-  std::printf("section %.4f %.4f, wall %.4f %.4f, ball %.4f %.4f\n", section[0], section[1], wall[0], wall[1], ball[0],
-              ball[1]);
+  if (rank_of(MPI_COMM_WORLD) == 0)
+    std::printf("section %.4f %.4f, wall %.4f %.4f, ball %.4f %.4f\n", section[0], section[1], wall[0], wall[1],
+                ball[0], ball[1]);
   EXPECT_NEAR(section[0], -0.005, 0.0015);
   EXPECT_GT(section[0] / section[1], 3.3);
   EXPECT_NEAR(ball[0], -0.0115, 0.003);
