@@ -256,10 +256,6 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
         "a wall parts " + std::to_string(facts.nodes->split) +
         " particle cells in two, and the void fraction smears across it: lower ratio, or move the wall onto sides "
         "of particle cells");
-  if (facts.cut && facts.cut->thin_edges > 0)
-    w.push_back(
-        "bodies are thinner than a cell at " + std::to_string(facts.cut->thin_edges) +
-        " edges of cells, where the fluid doesn't see them whole: take finer cells by 'fine', or thicker walls");
   if (facts.equal_kn > 0)
     w.push_back("model hooke raises a number to a power at every contact: hooke/stiffness with kn " +
                 brief(facts.equal_kn) +
@@ -305,7 +301,7 @@ static std::vector<std::string> body_lines(const Script& script, const SceneFact
       "walls in cut cells: second order in the cell" + std::string(slips ? "; slip: first order" : "") +
       (cut.slivers > 0 ? "; " + std::to_string(cut.slivers) + " faces are slivers: pressure and friction only" : "") +
       (cut.thin_edges > 0 ? "; " + std::to_string(cut.thin_edges) +
-                                " edges of cells are crossed twice: what is thinner than a cell is lost"
+                                " edges of cells are crossed twice: what is finer than a cell there is cut off"
                           : ""));
   if (const double layer = friction_layer(s, n); rubs && layer > 0)
     lines.push_back("wall's layer in a bed: " + brief(layer) + " m = " + brief(layer / n.h_min) + " cells" +
