@@ -114,6 +114,7 @@ int FixTwogrid::modify_param(int narg, char** arg) {
   guarded([&] {
     set_up_ = false;
     parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ || has_run_);
+    size_vector = Report::kValues + BodyFigures::kEach * int(script_.bodies.size());
     if (!script_.settings.output.file.empty()) check(script_.settings.output);
     if (!script_.checkpoint_write.empty()) keep_checkpoint();
   });
@@ -190,6 +191,7 @@ void FixTwogrid::build() {
   fluid_->watch_steps([this](int steps, double share) { watch_.look_within(steps, share, fluid_->time()); });
   const ParticleRegion region = particle_region(*lmp);
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, region.lo, region.hi, region.reach);
+  body_figures_.take(fluid_->body_forces());
   install_models({script_, *fluid_, *coupling_, [this](const std::string& n) { return particle_property(*lmp, n); }});
   watch_.look_at(CouplingWatch(s));
   make_balance();
@@ -297,6 +299,7 @@ void FixTwogrid::couple() {
   const bool check = accuracy_.due();
   watch_.begin_coupling();
   coupling_->advance(p, schedule_.steps(), schedule_.mean_dt(), check);
+  body_figures_.take(fluid_->body_forces());
   accuracy_.count_coupling();
   if (check) adjust_steps();
   watch_.look(coupling_->report(), schedule_.steps());
@@ -377,7 +380,9 @@ void FixTwogrid::post_run() {
 
 double FixTwogrid::compute_vector(int i) {
   if (!coupling_) return 0;
-  return coupling_->report().values(script_.settings.every)[i];
+  if (i < Report::kValues) return coupling_->report().values(script_.settings.every)[i];
+  const std::size_t at = i - Report::kValues;
+  return at < body_figures_.value.size() ? body_figures_.value[at] : 0;
 }
 
 double FixTwogrid::memory_usage() {

@@ -13,7 +13,7 @@
 //
 // f_ID is a per-atom array: drag 1-3 (N), pressure gradient force 4-6 (N), eps 7, fluid velocity 8-10 (m/s); it is the
 // first ten columns of the particles' state, which fix property/atom "ID_state" holds ("ID_step": what each step
-// needs). f_ID[1..15] as a vector: compute_vector().
+// needs). f_ID[1...] as a vector: compute_vector().
 #pragma once
 
 #include <fix.h>
@@ -32,6 +32,7 @@
 #include "coupling/control/schedule.h"
 #include "coupling/coupling.h"
 #include "coupling/output/output.h"
+#include "liggghts_fixes/bodies/body_figures.h"
 #include "liggghts_fixes/bodies/script_bodies.h"
 #include "liggghts_fixes/liggghts/balance.h"
 #include "liggghts_fixes/liggghts/motion.h"
@@ -124,6 +125,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   Script script_;
   ScriptNames names_;
   ScriptBodies bodies_;
+  BodyFigures body_figures_;
   std::string id_in_restart_;  // of a fix twogrid whose state the restart file held when this fix was made
   double chosen_skin_ = 0;     // of -skin best (m); 0: the script's stays
   // Owned by LIGGGHTS: kParticleColumns and kStepColumns values a particle.

@@ -31,6 +31,7 @@ CheckpointParts FixTwogrid::checkpoint_parts(InsertionState* insertion) {
     numbers.push_back(numbers_of("insertion", *insertion));
     numbers.back().of_script = true;
   }
+  if (!script_.bodies.empty()) numbers.push_back(numbers_of("bodies", body_figures_));
   if (accuracy_.on()) numbers.push_back(numbers_of("accuracy", accuracy_));
   if (balance_ && !beginning_) numbers.push_back(numbers_of("balance", *balance_));
   return {world, script_.settings, *fluid_, *coupling_, schedule_.state(), output_.get(), std::move(numbers)};

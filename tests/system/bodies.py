@@ -77,7 +77,7 @@ def vessel(kind, axis=2):
     return ("fix cad all mesh/surface file tube.stl type 1\n" + WALL.format(what="mesh n_meshes 1 meshes cad"), "solid vessel mesh cad")
 
 
-def bed(executable, kind, axis=2, ranks=1, words=" slip", extra="", steps=100, empty=False, viscosity=MU, options=("-fluid_pressure_rtol", "1e-9")):
+def bed(executable, kind, axis=2, ranks=1, words=" slip", extra="", steps=100, empty=False, viscosity=MU, columns="", options=("-fluid_pressure_rtol", "1e-9")):
     """A packed bed from inlet to outlet; gas along the axis."""
     n = int(0.5 * np.pi * R * R * H / (np.pi / 6 * D**3))
     x = packing(n, 0.985 * R)
@@ -102,7 +102,7 @@ fix gas all twogrid fine {fine[0]} {fine[1]} {fine[2]} ratio 3 3 3 density {RHO}
 fix_modify gas drag ergun {solid}{words}
 fix_modify gas boundary {lo} inlet {inflow} boundary {hi} pressure 0
 {extra}
-thermo_style custom step atoms f_gas[4] f_gas[5] f_gas[6] f_gas[7] f_gas[9] f_gas[10]
+thermo_style custom step atoms f_gas[4] f_gas[5] f_gas[6] f_gas[7] f_gas[9] f_gas[10] {columns}
 thermo_modify format float %.17g lost error norm no
 thermo {steps}
 run {steps}
@@ -161,6 +161,17 @@ def friction_of_walls(c, executable):
            1.2 < drops["wall"] / poiseuille < 1.5)
     c.below("empty: region against wall, relative", abs(drops["region"] / drops["wall"] - 1), 1e-4)
     c.below("empty: mesh against wall, relative", abs(drops["mesh"] / drops["wall"] - 1), 2e-3)
+
+
+def forces_on_bodies(c, executable):
+    """A pipe that is thin against what it holds: what the pressure drop and the gas's momentum push, its wall holds back."""
+    run, _ = bed(executable, "wall", words=" noslip", empty=True, viscosity=1e-2, steps=200, columns="f_gas[17] f_gas[18] f_gas[19] f_gas[20] f_gas[21] f_gas[22]",
+                 options=("-fluid_pressure_rtol", "1e-10"))
+    drop, x, y, z = (last(run, f"f_gas[{i}]") for i in (4, 17, 18, 19))
+    push = drop * np.pi * R * R
+    c.below(f"force on the pipe along it, {z:.3e} N, against pressure drop times section, {push:.3e} N, relative", abs(z / push - 1), 0.05)
+    c.below("force across it, relative", np.hypot(x, y) / push, 0.02)
+    c.below("torque about its axis, over force times radius", abs(last(run, "f_gas[22]")) / (push * R), 0.01)
 
 
 def same_on_all_ranks(c, executable, ranks):
@@ -268,6 +279,7 @@ def main():
     c = Checks("vessels and bodies in the fluid")
     beds_in_a_cylinder(c, executable)
     friction_of_walls(c, executable)
+    forces_on_bodies(c, executable)
     same_on_all_ranks(c, executable, [n for n in ranks if n > 1])
     grains_in_a_cone(c, executable, [n for n in ranks if n <= 2])
     c.end()
