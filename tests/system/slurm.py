@@ -187,11 +187,11 @@ fix weight all gravity 9.81 vector 0 0 -1
 fix motion all nve/sphere
 fix gas all twogrid fine 36 2 60 ratio 3 2 3 density 1.2 viscosity 1.8e-5 every 10
 fix_modify gas boundary zlo inlet 0 0 0.5 boundary zhi pressure 0
-fix_modify gas output every 800 file bed.h5 fields u p eps faces
+fix_modify gas output every 4000 file bed.h5 fields u p eps faces
 {more}
 thermo 50
 thermo_modify flush yes
-dump d all custom 800 all.dump id x y z vx vy vz omegax omegay omegaz
+dump d all custom 4000 all.dump id x y z vx vy vz omegax omegay omegaz
 dump_modify d sort id format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g"
 """ + between.join(f"run {n} upto\n" for n in runs)
 
@@ -321,8 +321,10 @@ def several_legs(c, slurm, executable, ranks, work, how, runs, time_limit="5", b
                     print(f.read()[-3000:])
         return
     last = status(run)
+    # The newest on the disk: a signal that comes at the last step leaves one there.
+    newest = max((int(name.split("_step_")[1]) for name in os.listdir(os.path.join(run, "in.bed.checkpoints")) if "_step_" in name), default=None)
     c.true(f"its status: {last['state']}, {last['checkpoint']}", last["state"] == "finished" and last["step"] == steps and
-           (not splits or last["checkpoint"]["step"] == splits[-1]))
+           (last["checkpoint"] or {"step": None})["step"] == newest)
     same_as_one_run(c, executable, ranks, run, os.path.join(work, "whole" + "_".join(how)), runs, splits, max(200, 3 * (time.time() - begin)))
 
 
@@ -384,7 +386,8 @@ def main():
                     c.true(f"{case}/submit.slurm is taken by sbatch: {said.strip()[:80]}", "to start at" in said)
             arrays(c, slurm, work)
             error_is_not_put_back(c, slurm, n, work)
-            several_legs(c, slurm, os.path.abspath(executable), n, work, ("usr1", "term", "requeue"), [3200])
+            # Some 5 s on two quick cores: a leg has got on by 600 steps and Slurm has told it long before the end.
+            several_legs(c, slurm, os.path.abspath(executable), n, work, ("usr1", "term", "requeue"), [20000], patience=240)
             if long_form():
                 # The pauses, two minutes in all, see to several legs on any machine: Slurm signals 20 to 50 s before the limit of a minute.
                 several_legs(c, slurm, os.path.abspath(executable), n, work, ("limit", "of one minute"), list(range(800, 24001, 800)), "1", 20, 1200,
