@@ -16,7 +16,7 @@ struct FluidVertices {
   /// Own vertices that an uncrossed way joins to a point of fluid_at.
   std::vector<Int3> held;
   std::string told_by;  ///< what told the fluid's parts, in words
-  Array3<int> part;  ///< what uncrossed edges join, of all vertices but those on surfaces (-1)
+  Array3<int> part;     ///< what uncrossed edges join, of all vertices but those on surfaces (-1)
   int parts = 0;
   VertexKind operator()(int i, int j, int k) const { return kind(i, j, k); }
 };

@@ -30,7 +30,8 @@ TEST(BodyRefusals, WhatSeparatesNothing) {
   expect(scene({mesh(cup, "cup")}), "body 'cup' parts nothing: there is fluid on both sides of its surface at (");
   expect(scene({mesh(tube_mesh(2, {0.5, 0.5, 0}, 0.41, -0.1, 0.81, 64), "tube")}), "body 'tube' parts nothing");
   expect(scene({mesh(box_mesh({2.1, 2.1, 2.1}, {3, 3, 3}), "far")}), "body 'far' lies outside the fluid's domain");
-  expect(scene({mesh(box_mesh({0.501, 0.501, 0.501}, {0.511, 0.511, 0.511}), "grain")}), "body 'grain' is met by no edge of the fluid's grid: it is thinner than a cell");
+  expect(scene({mesh(box_mesh({0.501, 0.501, 0.501}, {0.511, 0.511, 0.511}), "grain")}),
+         "body 'grain' is met by no edge of the fluid's grid: it is thinner than a cell");
   // A plate of half a cell, which parts the box in two with inlet and outlet, and a rod of a third of a cell.
   expect(scene({mesh(box_mesh({-1, 0.51, -1}, {2, 0.54, 2}), "plate")})
              .fluid_at({0.5, 0.2, 0.5})
@@ -69,7 +70,8 @@ TEST(BodyRefusals, WhichSide) {
   s.run();
   EXPECT_NEAR(1 - s.report.open_volume, 0.064 + 0.2 * 0.2 * 0.2, 0.005);
   EXPECT_EQ(s.report.bodies[2].area, 0);
-  EXPECT_NEAR(s.report.bodies[0].volume + s.report.bodies[1].volume + s.report.bodies[2].volume, 1 - s.report.open_volume, 1e-12);
+  EXPECT_NEAR(s.report.bodies[0].volume + s.report.bodies[1].volume + s.report.bodies[2].volume,
+              1 - s.report.open_volume, 1e-12);
   // Nothing tells in a closed box.
   CutScene closed(nodes_of({16, 16, 16}), {false, false, false}, {body_of<SphereShape>(Vec3{0.5, 0.5, 0.5}, 0.3)});
   expect(closed, "reach no inlet or outlet");
