@@ -60,7 +60,7 @@ Vec3 on_triangle(const Triangle& t, const Vec3& x) {
 
 }  // namespace
 
-TriangleSet::TriangleSet(std::vector<Triangle> triangles) {
+TriangleSet::TriangleSet(const std::vector<Triangle>& triangles) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   lo_ = {kFar, kFar, kFar}, hi_ = {-kFar, -kFar, -kFar};
   for (const Triangle& t : triangles) {

@@ -16,7 +16,7 @@ using Triangle = std::array<Vec3, 3>;
 class TriangleSet : public SolidShape {
  public:
   /// Throws std::invalid_argument without a triangle that has an area, and where a corner is not finite.
-  explicit TriangleSet(std::vector<Triangle> triangles);
+  explicit TriangleSet(const std::vector<Triangle>& triangles);
 
   double first_crossing(const Vec3& x, int d, double length) const override;
   double distance(const Vec3& x, double reach, Vec3& nearest) const override;
