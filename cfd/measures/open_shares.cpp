@@ -6,6 +6,14 @@
 
 namespace twogrid {
 
+namespace {
+
+double mean(double low, double high, double share_of_high) {
+  return low + share_of_high * (high - low);
+}
+
+}  // namespace
+
 OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved, Held held)
     : theta_(std::move(held.theta)),
       theta_f_(std::move(held.theta_f)),
@@ -35,6 +43,16 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const std
     set_edges(measures, local, held.alpha);
 }
 
+/// Mean of theta over the four cells around the edge along t at the low corner of cell x.
+double OpenShares::theta_around(const GridMeasures& measures, int t, const Int3& x) const {
+  const int a = (t + 1) % 3, b = (t + 2) % 3;
+  const std::ptrdiff_t sa = theta_.stride(a), sb = theta_.stride(b);
+  const double* c = theta_.data() + theta_.index(x[0], x[1], x[2]);
+  const double ha = measures.axis(a).above_share_[x[a] - measures.axis(a).lo],
+               hb = measures.axis(b).above_share_[x[b] - measures.axis(b).lo];
+  return mean(mean(c[-sa - sb], c[-sb], ha), mean(c[-sa], c[0], ha), hb);
+}
+
 /// A link between two faces through an edge is open where the side it passes is; one to a closed face is a wall's.
 void OpenShares::set_edges(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha) {
   for (int t = 0; t < 3; ++t) {
@@ -49,11 +67,11 @@ void OpenShares::set_edges(const GridMeasures& measures, const Box& local, const
       const std::ptrdiff_t m = theta_.index(i, j, k);
       const double ha = measures.axis(a).above_share_[x[a] - measures.axis(a).lo],
                    hb = measures.axis(b).above_share_[x[b] - measures.axis(b).lo];
-      const auto mean = [](double low, double high, double share) { return low + share * (high - low); };
-      const double *fa = alpha[a].data(), *fb = alpha[b].data(), *c = theta_.data();
+      const double *fa = alpha[a].data(), *fb = alpha[b].data();
       const bool wall = !(fa[m - sb] > 0 && fa[m] > 0 && fb[m - sa] > 0 && fb[m] > 0);
-      const double cells = mean(mean(c[m - sa - sb], c[m - sb], ha), mean(c[m - sa], c[m], ha), hb);
-      edge_[t].data()[m] = wall ? 0.0 : std::min(mean(fb[m - sa], fb[m], ha), mean(fa[m - sb], fa[m], hb)) / cells;
+      edge_[t].data()[m] =
+          wall ? 0.0
+               : std::min(mean(fb[m - sa], fb[m], ha), mean(fa[m - sb], fa[m], hb)) / theta_around(measures, t, x);
     });
   }
 }
@@ -71,15 +89,10 @@ void OpenShares::set_uncut(const GridMeasures& measures, const Box& local, const
     for (int d : {a, b}) ++inner.lo[d];
     const std::ptrdiff_t sa = theta_.stride(a), sb = theta_.stride(b);
     for_each(inner, [&](int i, int j, int k) {
-      const Int3 x{i, j, k};
       const std::ptrdiff_t m = theta_.index(i, j, k);
-      const double ha = measures.axis(a).above_share_[x[a] - measures.axis(a).lo],
-                   hb = measures.axis(b).above_share_[x[b] - measures.axis(b).lo];
-      const auto mean = [](double low, double high, double share) { return low + share * (high - low); };
-      const double cells = mean(mean(theta[m - sa - sb], theta[m - sb], ha), mean(theta[m - sa], theta[m], ha), hb);
       const bool uncut = whole(a, m - sb) && whole(a, m) && whole(b, m - sa) && whole(b, m) && linked(a, b, m - sb) &&
                          linked(b, a, m - sa);
-      edge_[t].data()[m] = uncut ? 1 / cells : 0.0;
+      edge_[t].data()[m] = uncut ? 1 / theta_around(measures, t, {i, j, k}) : 0.0;
     });
   }
   cell_.reset(local, 1.0);

@@ -107,6 +107,7 @@ class OpenShares {
   void flux_share(FaceField<FineGrid>& i_f, FaceField<FineGrid>& phi_f) const;
 
  private:
+  double theta_around(const GridMeasures& measures, int t, const Int3& x) const;
   void set_edges(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha);
   void set_uncut(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved,
                  const FaceField<FineGrid>& alpha);

@@ -32,7 +32,7 @@ struct OpenNodes::FineCells {
   static constexpr long long kAbsent = 0, kThere = 16, kAllOpen = 31;
   Array3<long long> cell;
   Array3<char> reached;
-  std::vector<Int3> todo;
+  std::vector<Int3> frontier;
 
   FineCells(MPI_Comm comm, const Fluid& fluid, const Int3& ratio) {
     const int rank = rank_of(comm);
@@ -63,11 +63,11 @@ struct OpenNodes::FineCells {
     return all;
   }
 
-  /// Marks what is connected with the marked cells in `todo` within b.
+  /// Marks what is connected with the marked cells in `frontier` within b.
   void flood(const Box& b) {
-    while (!todo.empty()) {
-      const Int3 c = todo.back();
-      todo.pop_back();
+    while (!frontier.empty()) {
+      const Int3 c = frontier.back();
+      frontier.pop_back();
       for (int side = 0; side < 6; ++side) {
         const Int3 next = neighbour(c, side);
         if (!b.contains(next[0], next[1], next[2])) continue;
@@ -81,14 +81,14 @@ struct OpenNodes::FineCells {
     char& seen = reached(c[0], c[1], c[2]);
     if (seen || !(cell(c[0], c[1], c[2]) & 1)) return;
     seen = 1;
-    todo.push_back(c);
+    frontier.push_back(c);
   }
   /// Connected sets of open cells in b.
   int sets(const Box& b) {
     int n = 0;
     for_each(b, [&](int i, int j, int k) {
       mark({i, j, k});
-      n += !todo.empty();
+      n += !frontier.empty();
       flood(b);
     });
     for_each(b, [&](int i, int j, int k) { reached(i, j, k) = 0; });

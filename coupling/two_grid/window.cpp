@@ -247,7 +247,7 @@ void Window::seen_from(const Int3& home, const Int3& lo, const Int3& n, std::vec
     return;
   }
   // Further nodes: from one to the next that it sees, within the box.
-  std::vector<Int3>& todo = todo_;
+  std::vector<Int3>& frontier = frontier_;
   std::vector<char>& reached = reached_;
   reached.assign(count, 0);
   const auto reach = [&](const Int3& c) {
@@ -255,12 +255,12 @@ void Window::seen_from(const Int3& home, const Int3& lo, const Int3& n, std::vec
     if (reached[q]) return;
     reached[q] = 1;
     at[q] = shape.place(c);
-    todo.push_back(c);
+    frontier.push_back(c);
   };
   if (box.contains(home[0], home[1], home[2])) reach(home);
-  while (!todo.empty()) {
-    const Int3 c = todo.back();
-    todo.pop_back();
+  while (!frontier.empty()) {
+    const Int3 c = frontier.back();
+    frontier.pop_back();
     for (int z = -1; z <= 1; ++z)
       for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x)

@@ -232,9 +232,9 @@ class Window {
   BlockExchange exchange_;
   bool cut_ = false;
   Int3 search_{0, 0, 0};
-  std::vector<std::uint32_t> sight_;   // of the window's nodes, as OpenNodes has it
-  mutable std::vector<Int3> todo_;     // scratch of seen_from()
-  mutable std::vector<char> reached_;  // the same
+  std::vector<std::uint32_t> sight_;    // of the window's nodes, as OpenNodes has it
+  mutable std::vector<Int3> frontier_;  // scratch of seen_from()
+  mutable std::vector<char> reached_;   // the same
 };
 
 /// Where particles lie: nodes for kCell, corners for kLinear; nothing for other weights. Where bodies stand, open nodes
