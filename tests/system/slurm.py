@@ -181,17 +181,18 @@ def particles():
 
 
 def script(runs, more="", between=""):
+    every = runs[-1] // 2  # frames and dumps; the last step has both
     return head_with_particles(2e-5, boundary="f f f", kn=100, kt=30, gamman=2e-3, gammat=1e-3, processors="* 1 1") + walls(
         xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,)) + f"""
 fix weight all gravity 9.81 vector 0 0 -1
 fix motion all nve/sphere
 fix gas all twogrid fine 36 2 60 ratio 3 2 3 density 1.2 viscosity 1.8e-5 every 10
 fix_modify gas boundary zlo inlet 0 0 0.5 boundary zhi pressure 0
-fix_modify gas output every 4000 file bed.h5 fields u p eps faces
+fix_modify gas output every {every} file bed.h5 fields u p eps faces
 {more}
 thermo 50
 thermo_modify flush yes
-dump d all custom 4000 all.dump id x y z vx vy vz omegax omegay omegaz
+dump d all custom {every} all.dump id x y z vx vy vz omegax omegay omegaz
 dump_modify d sort id format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g"
 """ + between.join(f"run {n} upto\n" for n in runs)
 
