@@ -13,9 +13,10 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import leg_tables  # noqa: E402
+from verdict import G, Verdict  # noqa: E402
 
 # As in.fluidisation_curve has it.
-RHO_F, MU, RHO_P, G, WIDTH = 1.2, 1.8e-5, 1000.0, 9.81, 6.0e-3
+RHO_F, MU, RHO_P, WIDTH = 1.2, 1.8e-5, 1000.0, 6.0e-3
 TOLERANCE = 0.05
 
 
@@ -112,26 +113,20 @@ def main():
     parser.add_argument("--no-picture", action="store_true")
     options = parser.parse_args()
     m = measure(options.folder)
-    failed = 0
-
-    def verdict(good, text):
-        nonlocal failed
-        failed += not good
-        print(f"{'PASS' if good else 'FAIL'}  {text}")
-
-    print(f"      {m['particles']} particles; weight/area {m['weight']:.2f} Pa; void fraction of the middle "
+    verdict = Verdict()
+    verdict.note(f"{m['particles']} particles; weight/area {m['weight']:.2f} Pa; void fraction of the middle "
           f"{m['eps']:.4f}, where Ergun alone would give {m['middle']:.4f} m/s ({m['beds']} beds at rest)")
     if len(m["plateau"]) > 1:
         mean, error = m["plateau"].mean(), m["plateau"].std(ddof=1) / np.sqrt(len(m["plateau"]))
-        print(f"      pressure drop of the falling branch above minimum fluidisation {mean:.1f} +- {error:.1f} Pa")
+        verdict.note(f"pressure drop of the falling branch above minimum fluidisation {mean:.1f} +- {error:.1f} Pa")
     error = m["Umf"] / m["ergun"] - 1
     verdict(abs(error) <= TOLERANCE, f"minimum fluidisation {m['Umf']:.4f} m/s, Ergun over the bed's own void fractions "
             f"{m['ergun']:.4f} m/s: {100 * error:+.2f} % (wanted within {100 * TOLERANCE:.0f} %)")
     if not options.no_picture:
         path = os.path.join(options.folder, "fluidisation_curve.png")
         draw(m, path)
-        print(f"      picture: {path}")
-    sys.exit(1 if failed else 0)
+        verdict.note(f"picture: {path}")
+    verdict.end()
 
 
 if __name__ == "__main__":

@@ -6,8 +6,13 @@
 --turn: degrees by which the facets' edges are turned about the axis. Lengths in m.
 """
 import argparse
+import os
+import sys
 
 import numpy as np
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import revolve  # noqa: E402
 
 
 def main():
@@ -20,23 +25,7 @@ def main():
     parser.add_argument("--facets", type=int, default=120)
     parser.add_argument("--turn", type=float, default=0.0)
     o = parser.parse_args()
-    # The polygon has the circle's area: its corners stand a little outside, its facets' middles a little inside.
-    n = o.facets
-    corner = o.radius * np.sqrt(2 * np.pi / n / np.sin(2 * np.pi / n))
-    angle = np.radians(o.turn) + 2 * np.pi * np.arange(n + 1) / n
-    x, y = o.x + corner * np.cos(angle), o.y + corner * np.sin(angle)
-    levels = np.linspace(0, o.height, 5)
-    with open(o.file, "w") as f:
-        f.write("solid vessel\n")
-        for low, high in zip(levels[:-1], levels[1:]):
-            for i in range(n):
-                a, b = (x[i], y[i]), (x[i + 1], y[i + 1])
-                for triangle in (((*a, low), (*b, low), (*b, high)), ((*a, low), (*b, high), (*a, high))):
-                    f.write("facet normal 0 0 0\nouter loop\n")
-                    for corner_at in triangle:
-                        f.write("vertex %.9e %.9e %.9e\n" % corner_at)
-                    f.write("endloop\nendfacet\n")
-        f.write("endsolid vessel\n")
+    revolve.write(o.file, "vessel", [(o.radius, z) for z in np.linspace(0, o.height, 5)], o.x, o.y, o.facets, o.turn)
 
 
 if __name__ == "__main__":

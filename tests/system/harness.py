@@ -5,6 +5,7 @@ ends with exit code 0 only if every check held.
 """
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -98,6 +99,22 @@ class Run:
 
     def dump(self, name):
         return read_dump(self.file(name))
+
+
+def run_case(name, executable, ranks, out, *words):
+    """cases/run NAME with this program in its short mode, results in the folder out; what it printed, with its code."""
+    top = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+    done = subprocess.run([os.path.join(top, "cases", "run"), name, "--short", "--ranks", str(ranks), "--out", out, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, errors="replace", env={**os.environ, "TWOGRID": os.path.abspath(executable)})
+    print(done.stdout, flush=True)
+    return done
+
+
+def pictures_are_there(c, out, *names):
+    """Checks the pictures of a case. That in three dimensions is asked for only where what draws it is installed."""
+    names = [n for n in names if n != "grains" or (shutil.which("xvfb-run") and os.path.isdir("/usr/lib/python3/dist-packages/vtkmodules"))]
+    sizes = [os.path.getsize(p) if os.path.exists(p) else 0 for p in (os.path.join(out, n + ".png") for n in names)]
+    c.true(f"pictures {', '.join(names)}", min(sizes) > 10000)
 
 
 def read_thermo(path):

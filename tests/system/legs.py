@@ -147,7 +147,7 @@ def scripts(c, executable, work):
         name = os.path.basename(case)
         copy = os.path.join(work, "cases", name)
         shutil.copytree(case, copy, ignore=shutil.ignore_patterns("out", "reference", "results"))
-        for tool in ("batch", "mpirun.sh"):
+        for tool in ("batch", "mpirun.sh", "revolve.py"):
             if not os.path.exists(os.path.join(work, "cases", tool)):
                 os.symlink(os.path.join(TOP, "cases", tool), os.path.join(work, "cases", tool))
         if os.path.exists(os.path.join(copy, "compare.py")):
