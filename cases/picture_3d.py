@@ -170,7 +170,7 @@ def draw(path, out, **options):
         words = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24"] + words
     done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
     if done.returncode == 0 and os.path.exists(out):
-        print("  " + os.path.relpath(out))
+        print("  " + os.path.abspath(out))
         return True
     print("  no picture in three dimensions: " + (done.stdout.strip().splitlines() or ["?"])[-1] + f" (apt-get install {PACKAGES})")
     return False

@@ -98,6 +98,14 @@ def correlated_mean(series):
     return series.mean(), np.sqrt(variance / max(independent - 1, 1e-9)), independent
 
 
+def by_chance(series, alarms):
+    """How far a series' mean may lie from 0 by chance: what is exceeded once in 1/alarms runs. No more than six values count as independent, for
+    a series that is short for its correlation seems to hold more than it does. Returns mean, standard error, independent values, bound."""
+    mean, error, independent = correlated_mean(series)
+    error = max(error, batch_error(series, 4))
+    return mean, error, independent, student(max(min(independent, 6.0) - 1, 1.0), alarms) * error
+
+
 def student(freedom, alarms):
     """How many standard errors a mean is exceeded by with the probability `alarms` (on both sides), from `freedom` + 1 values."""
     t = np.concatenate([np.linspace(0, 20, 20001), np.geomspace(20, 1e7, 20000)[1:]])
@@ -185,4 +193,4 @@ def save(pictures, folder):
     for name, figure in pictures.items():
         path = os.path.join(folder, name + ".png")
         figure.savefig(path, dpi=110, bbox_inches="tight")
-        print("  " + os.path.relpath(path))
+        print("  " + os.path.abspath(path))

@@ -59,6 +59,8 @@ set_tests_properties(bad_input PROPERTIES RUN_SERIAL ON)  # it has a limit of 5 
 system_test(bodies RANKS 1 2 4)
 system_test(bad_bodies RANKS 1)
 system_test(round_bed_short RANKS 2)
+system_test(spouted_cone_short RANKS 2)
+system_test(tube_bank_short RANKS 2)
 system_test(accuracy RANKS 1)
 system_test(momentum RANKS 1 2)
 system_test(action_reaction RANKS 2)

@@ -1,0 +1,10 @@
+# For ../run. Ranks side by side, and behind each other from 4 on.
+title="spouted cone"
+second=py
+long="-var tend 4.0"
+# Coarse cells, soft contacts, fewer grains, all of it fast: what needs a long mean is printed without a verdict.
+short="-var N 4000 -var n 16 -var nz 32 -var r 1 -var kn 50 -var dt 5e-5 -var every 3 -var Tsettle 0.15 -var Tup 0.08 -var Tdown 0.04 -var Thold 0.02 -var tend 0.28 -var tframe 0.02 -var U 6 -var Ulow 4"
+compare_short=--short
+prepare() {
+  "$case"/make_stl.py "$out"/vessel.stl "$out"/screen.stl
+}
