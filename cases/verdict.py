@@ -141,14 +141,23 @@ def in_open_cells(bed, verdict):
     verdict(off <= 1e-12, f"solids in the open parts of cells: {off:.1e} off the grains' volume (wanted 1e-12)")
 
 
-def momentum(bed, verdict, forces, bound=1e-3):
+def momentum(bed, verdict, forces, bound=1e-3, of_gas=()):
     """Vertical momentum of grains and gas over the time of the means:
     d(P_s + P_f) = integral of [ dp A + rho sum U^2 A (in) - rho sum <f u> A (out) + forces - buoyant weight ] dt.
-    forces: name: series over mean.txt of what acts upwards on grains and gas (N): of walls on grains, less the gas's forces on bodies.
+    forces: name: series over mean.txt of what acts upwards on grains and gas (N): of walls on grains, less the gas's forces on bodies (of_gas names
+    these). f_ID[4] and the forces on bodies are means over the coupling interval before: their series lags by it, which is corrected for.
     Inlet and outlet are floor and top, equally wide. The volume flux of both phases together is the same in every section, hence
     P_f = const - rho_f/rho_p P_s. Returns the pressure drop's series and its mean share of the weight with the standard error."""
     step, inside = bed.mean[:, 0], bed.averaged(bed.mean)
     period = step[1] - step[0]
+    first = int(np.argmax(inside))
+    every = int(np.ravel(bed.file["record"].attrs["every"])[0])
+
+    def mean(series, lag):
+        """Over the window, of a series that lags by so many steps."""
+        end, begin = series[inside][-1], series[max(first - 1, 0)]
+        return series[inside].mean() + lag * (end - begin) / (inside.sum() * period)
+
     dp = bed.mean[inside, 1]
     P = dict(zip(bed.now[:, 0], bed.now[:, 1]))
     T = inside.sum() * period * bed.step
@@ -156,8 +165,8 @@ def momentum(bed, verdict, forces, bound=1e-3):
     fine, top = bed.file["average/fine"], bed.theta[-1] * bed.cell
     out = fine["flux"][-1, ..., 2] * fine["u"][-1, ..., 2] + fine["u_variance"][-1, ..., 2]
     share = np.where(bed.theta[0] > 0, bed.theta[0], 1)
-    parts = {"pressure": dp.mean() * bed.section, "in": bed.rho_f * np.sum(bed.inlet**2 / share * bed.cell), "out": -bed.rho_f * np.sum(out * top),
-             **{name: series[inside].mean() for name, series in forces.items()}, "weight": -bed.weight}
+    parts = {"pressure": mean(bed.mean[:, 1], every) * bed.section, "in": bed.rho_f * np.sum(bed.inlet**2 / share * bed.cell), "out": -bed.rho_f * np.sum(out * top),
+             **{name: mean(series, every if name in of_gas else 0) for name, series in forces.items()}, "weight": -bed.weight}
     error = change - sum(parts.values()) / bed.weight
     verdict.note(f"per buoyant weight ({bed.weight:.4e} N, {bed.weight / bed.section:.1f} Pa), over {T:.2f} s: " +
                  ", ".join(f"{k} {v / bed.weight:+.4f}" for k, v in parts.items()) + f", change {change:+.4f}")

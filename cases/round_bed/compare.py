@@ -35,7 +35,7 @@ def vessel(bed, verdict):
 
 def forces(bed, verdict, short):
     floor, wall, rub = bed.mean[:, 2:5].T
-    dp, share, scatter = momentum(bed, verdict, {"floor": floor, "wall on grains": -wall, "wall on gas": -rub}, 3e-3 if short else 1e-3)
+    dp, share, scatter = momentum(bed, verdict, {"floor": floor, "wall on grains": -wall, "wall on gas": -rub}, 3e-3 if short else 1e-3, ("wall on gas",))
     verdict.if_long(short, abs(share - 1) <= max(0.03, 3 * scatter), f"mean pressure drop {dp.mean():.2f} Pa carries {100 * share:.2f} +- {100 * scatter:.2f} % "
                     "of the buoyant weight (wanted 100 +- 3 %)")
 
