@@ -21,6 +21,7 @@ D_P, RHO_P = 2.0e-3, 1040.0      # as in.spouted_cone has it
 SLOPE = np.tan(np.radians(HALF_ANGLE))
 PACKED = 0.41                    # void fraction of the bed at rest, for its height in the correlations
 ALARMS = 1e-3                    # rate of false alarms of the check of symmetry
+LEAST = 0.3                      # s: some pulses of the spout, below which a mean says nothing of symmetry
 
 
 class Cone(Bed):
@@ -104,7 +105,7 @@ def symmetry(bed, verdict, short):
     series' correlation in time."""
     q = bed.quarters[bed.averaged(bed.now)] / bed.quarters[0].sum()
     verdict.note("mass in the four quarters, less a fourth: " + ", ".join(f"{100 * (4 * m - 1):+.2f}" for m in q.mean(axis=0)) + " %")
-    worst, lines, enough = 0.0, [], True
+    worst, lines, enough = 0.0, [], bed.length - bed.begin >= LEAST
     for name, series in (("right less left", q[:, 1] + q[:, 3] - q[:, 0] - q[:, 2]), ("back less front", q[:, 2] + q[:, 3] - q[:, 0] - q[:, 1]),
                          ("across", q[:, 0] + q[:, 3] - q[:, 1] - q[:, 2])):
         mean, error, independent, bound = by_chance(series, ALARMS / 3)
@@ -114,7 +115,7 @@ def symmetry(bed, verdict, short):
         if abs(mean) > 0.06:
             worst = np.inf
     verdict.if_long(short or not enough, worst <= 1, ", ".join(lines) + f": {worst:.2f} of what chance exceeds once in {1 / ALARMS:.0f} runs (wanted: 1, and no more than 6 % of the mass)" +
-                    ("" if enough else "; the series is too short for its correlation: no verdict"))
+                    ("" if enough else "; the series is too short for it: no verdict"))
 
 
 def curve(bed):
