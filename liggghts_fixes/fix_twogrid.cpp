@@ -65,8 +65,8 @@ FixTwogrid::~FixTwogrid() {
 }
 
 int FixTwogrid::setmask() {
-  return FixConst::PRE_INITIAL_INTEGRATE | FixConst::PRE_EXCHANGE | FixConst::PRE_FORCE | FixConst::POST_FORCE |
-         FixConst::END_OF_STEP;
+  return FixConst::PRE_INITIAL_INTEGRATE | FixConst::PRE_EXCHANGE | FixConst::PRE_NEIGHBOR | FixConst::PRE_FORCE |
+         FixConst::POST_FORCE | FixConst::END_OF_STEP;
 }
 
 void FixTwogrid::post_create() {
@@ -116,6 +116,7 @@ int FixTwogrid::modify_param(int narg, char** arg) {
     parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ || has_run_);
     size_vector = Report::kValues + BodyFigures::kEach * int(script_.bodies.size());
     if (!script_.settings.output.file.empty()) check(script_.settings.output);
+    kept_ = kept_ || !script_.checkpoint_write.empty() || !script_.checkpoint_read.empty();
     if (!script_.checkpoint_write.empty()) keep_checkpoint();
   });
   return narg;

@@ -64,6 +64,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   int modify_param(int narg, char** arg) override;
   void init() override;
   void setup_pre_exchange() override;
+  void setup_pre_neighbor() override;
   void pre_exchange() override;
   void setup(int) override;
   void pre_initial_integrate() override;
@@ -136,6 +137,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   Accuracy accuracy_;
   std::optional<Beginning> beginning_;  // of a checkpoint, until the first run is set up
   bool in_folder_ = false;              // one of -restart, which hands over insertion and the particles' columns itself
+  bool kept_ = false;                   // a command has written or read a checkpoint
   std::unique_ptr<Balance> balance_;    // null: not wanted
   bool balance_said_ = false;
 

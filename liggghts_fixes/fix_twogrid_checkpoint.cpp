@@ -8,6 +8,7 @@
 #include "liggghts_fixes/fix_twogrid.h"
 #include "liggghts_fixes/liggghts/box.h"
 #include "liggghts_fixes/liggghts/insertion_state.h"
+#include "liggghts_fixes/liggghts/mesh_order.h"
 #include "liggghts_fixes/liggghts/particle_columns.h"
 #include "liggghts_fixes/liggghts/rank_parts.h"
 #include "liggghts_fixes/liggghts/restart_file.h"
@@ -130,6 +131,13 @@ void FixTwogrid::setup_pre_exchange() {
     if (beginning_ && beginning_->ranks.ordered) restore_order(*lmp, beginning_->ranks);
   });
   pre_exchange();
+}
+
+/// Where checkpoints are, a run's beginning must not hang on the runs before.
+void FixTwogrid::setup_pre_neighbor() {
+  if (!update->setupflag) return;
+  if (script_.checkpoints.by_itself() || kept_ || restarting()) order_meshes(*lmp);
+  if (beginning_) find_mesh_velocities(*lmp);
 }
 
 }  // namespace twogrid

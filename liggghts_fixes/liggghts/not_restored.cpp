@@ -1,6 +1,7 @@
 #include "liggghts_fixes/liggghts/not_restored.h"
 
 #include <fix.h>
+#include <fix_move_mesh.h>
 #include <input.h>
 #include <lammps.h>
 #include <modify.h>
@@ -22,6 +23,20 @@ namespace twogrid {
 
 using namespace LAMMPS_NS;
 
+namespace {
+
+/// The fix move/mesh before this one that moves the same mesh, and with it this one's axis; empty: none.
+std::string earlier_mover(const Modify& modify, int i) {
+  auto* const mover = dynamic_cast<FixMoveMesh*>(modify.fix[i]);
+  for (int e = 0; mover && e < i; ++e) {
+    auto* const other = dynamic_cast<FixMoveMesh*>(modify.fix[e]);
+    if (other && other->fixMesh() == mover->fixMesh()) return other->id;
+  }
+  return "";
+}
+
+}  // namespace
+
 std::vector<std::string> not_restored(LAMMPS& lammps) {
   std::vector<std::string> said;
   const Modify& modify = *lammps.modify;
@@ -30,8 +45,9 @@ std::vector<std::string> not_restored(LAMMPS& lammps) {
     const std::string fix = "fix " + id + " " + style + ": ";
     if (style.rfind("ave/", 0) == 0)
       said.push_back(fix + "a mean that has begun begins anew at a restart");
-    else if (style.rfind("move/mesh", 0) == 0)
-      said.push_back(fix + "the mesh comes back where it was but for round-off");
+    else if (const std::string carrier = earlier_mover(modify, i); !carrier.empty())
+      said.push_back(fix + "its axis is that of the script again at a restart, not where fix " + carrier +
+                     " has taken it");
     else if (style.rfind("massflow/mesh/sieve", 0) == 0)
       said.push_back(fix + "its random numbers begin anew at a restart");
   }

@@ -4,7 +4,8 @@ wall of LIGGGHTS and as a region; grains that fall into a cone; what is written 
 
 What would pass falsely without it: a cylinder along y whose two coordinates are changed over; a mesh of which each rank knows its
 own part only; a fluid on the outside of the vessel, or on both sides; flux per area of the box in place of the vessel's; solids
-deposited into steel; means of cells weighted by their closed part; a run that goes on from a checkpoint without its vessel.
+deposited into steel; means of cells weighted by their closed part; a run that goes on from a checkpoint without its vessel, or with a mesh's triangles in
+another order on a rank, or with a moving mesh at rest.
 
 References: Ergun (1952) over the vessel's own section; areas and volumes of cylinder and polygon; exact solids volume.
 """
@@ -260,18 +261,31 @@ def grains_in_a_cone(c, executable, ranks):
         c.below("cone: gas out = gas in + displaced, relative", abs(out - into + rate.sum() * 1e-9) / into, 1e-6)
         throat = 0.5 * 96 * 3e-3**2 * np.sin(2 * np.pi / 96)
         c.below("cone: gas in = velocity times the open area of the inlet, relative", abs(into / (0.4 * throat) - 1), 0.025)  # six cells wide
-    # On one rank: LIGGGHTS brings the triangles of a mesh back in another order on several, and forces on grains to round-off.
     if n > 1:
-        run = Run(executable, CONE, 1, files={"cone.stl": stl(FUNNEL, centre=(0.0101, 0.0097), facets=96)})
-        end = run.thermo()
-        c.true("cone: the same solids on 1 rank", column(end, "f_gas[6]").max() <= 1e-13 and end["Atoms"][-1] == t["Atoms"][-1])
+        alone = Run(executable, CONE, 1, files={"cone.stl": stl(FUNNEL, centre=(0.0101, 0.0097), facets=96)}).thermo()
+        c.true("cone: the same solids on 1 rank", column(alone, "f_gas[6]").max() <= 1e-13 and alone["Atoms"][-1] == t["Atoms"][-1])
+    goes_on(c, executable, n, run, f"cone on {n} ranks")
+
+
+def goes_on(c, executable, n, run, what):
+    """From its first checkpoint to its end, every bit."""
     name = checkpoints(run.path)[0]
-    folder, path, again = gone_on(executable, 1, run, name, options=("-restart", "auto"))
-    c.true(f"cone, gone on from {name}: code {again.returncode}, every bit of all dumps",
+    folder, path, again = gone_on(executable, n, run, name, options=("-restart", "auto"))
+    c.true(f"{what}, gone on from {name}: code {again.returncode}, every bit of all dumps",
            again.returncode == 0 and text_of(path, "all.dump") == text_of(run.path, "all.dump"))
     one, two = gas(run.path), gas(path)
-    c.true("cone, gone on: every bit of the fluid and its means", all(np.array_equal(one[k], two.get(k), equal_nan=True) for k in one))
+    c.true(f"{what}, gone on: every bit of the fluid and its means", all(np.array_equal(one[k], two.get(k), equal_nan=True) for k in one))
     folder.cleanup()
+
+
+def paddle_in_a_cone(c, executable):
+    """Triangles that go from rank to rank, and whose velocity the forces see; long ones, which all ranks know."""
+    paddle = stl([(2e-3, 8e-3), (2.5e-3, 16e-3), (1e-3, 17e-3)], centre=(0.0101, 0.0097), facets=10)
+    scene = CONE.replace("fix steel", "fix pad all mesh/surface file pad.stl type 1\nfix steel").replace("n_meshes 1 meshes cad", "n_meshes 2 meshes cad pad")
+    # Behind the wall: the forces of a run's beginning see what the mover has left.
+    scene = scene.replace("fix motion", "fix turn all move/mesh mesh pad rotate origin 0.0101 0.0097 0 axis 0 0 1 period 0.02\nfix motion")
+    run = Run(executable, scene.replace("custom 600", "custom 100").replace("run 1200", "run 600"), 4, files={"cone.stl": stl(FUNNEL, centre=(0.0101, 0.0097), facets=24), "pad.stl": paddle})
+    goes_on(c, executable, 4, run, "paddle that turns in a cone, on 4 ranks")
 
 
 def main():
@@ -282,6 +296,7 @@ def main():
     forces_on_bodies(c, executable)
     same_on_all_ranks(c, executable, [n for n in ranks if n > 1])
     grains_in_a_cone(c, executable, [n for n in ranks if n <= 2])
+    paddle_in_a_cone(c, executable)
     c.end()
 
 
