@@ -1,6 +1,7 @@
 #include "coupling/checkpoint/checkpoint.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -52,6 +53,36 @@ std::string scene(const Settings& settings, const FineGrid& grid) {
   s << ", interpolate " << (settings.interpolate == Interpolate::kSmooth ? "smooth" : "linear");
   s << ", one-way " << (settings.one_way ? "yes" : "no");
   s << ", density " << settings.fluid.density;
+  return s.str();
+}
+
+/// What bodies leave open, and where, in whole numbers that don't hang on the ranks: sums of the cells' shares, of these by
+/// their places, of the faces' shares. Empty without bodies. Collective.
+std::vector<double> open_digest(const CheckpointParts& c) {
+  const OpenShares* const open = c.fluid.open_shares();
+  if (!open) return {};
+  const auto whole = [](double share) { return std::llround(share * (1 << 20)); };
+  std::array<long long, 7> sum{};
+  for_each(c.fluid.layout().cells(rank_of(c.comm)), [&](int i, int j, int k) {
+    const long long theta = whole(open->theta()(i, j, k));
+    sum[0] += theta, sum[1] += i * theta, sum[2] += j * theta, sum[3] += k * theta;
+    for (int d = 0; d < 3; ++d) sum[4 + d] += whole(open->alpha(d, open->ratio()[d].index(i, j, k)));
+  });
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), int(sum.size()), MPI_LONG_LONG, MPI_SUM, c.comm);
+  return {sum.begin(), sum.end()};
+}
+
+/// But for what another compiler or processor rounds.
+bool same_digest(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+           return std::abs(x - y) <= std::max(16.0, 1e-9 * std::abs(x));
+         });
+}
+
+std::string open_cells(const std::vector<double>& digest) {
+  if (digest.empty()) return "no bodies";
+  std::ostringstream s;
+  s << "bodies that leave " << digest[0] / (1 << 20) << " cells open";
   return s.str();
 }
 
@@ -200,6 +231,8 @@ void write_plain_checkpoint(const std::string& path, const CheckpointParts& c, c
   file.replicated("/record/particles", {double(now.particles)}, {1});
   file.replicated("/record/every", {double(beginning.every)}, {1});
   file.replicated("/record/skin", {beginning.skin}, {1});
+  const std::vector<double> open = open_digest(c);
+  if (!open.empty()) file.replicated("/record/open", open, {open.size()});
   write_ranks(c.comm, beginning.ranks, c.fluid.layout(), file);
   StateFile states(c.comm, c.fluid.layout(), nodes, file);
   for_each_state(c, [&](const std::string& group, const auto& state) { states.write(group, state); });
@@ -281,6 +314,13 @@ void read_checkpoint(const std::string& path, const CheckpointParts& c) {
   Hdf5File file(c.comm, path, Hdf5File::Mode::kRead, 0, kKeyword);
   const std::string there = file.text_attribute("/record", "models"), here = models(c);
   if (there != here) refuse_file(path, " with fields of models (" + there + ")", "those of this scene (" + here + ")");
+  const std::vector<double> open_here = open_digest(c),
+                            open_there = file.has("/record/open") ? file.whole("/record/open") : std::vector<double>{};
+  if (!same_digest(open_here, open_there))
+    refuse_file(path, " of a scene with " + open_cells(open_there),
+                "that of this scene, with " + open_cells(open_here) +
+                    (open_here.size() == open_there.size() ? " or elsewhere" : "") +
+                    ": name the bodies that the checkpoint was written with (fix_modify ID solid)");
   StateFile states(c.comm, c.fluid.layout(), nodes, file);
   // Arrays that fluid and coupling have from the beginning they have always.
   std::map<std::string, Box> made;
