@@ -7,7 +7,7 @@ void Report::take(const CouplingState& state, const Census& census, const Ledger
   volume_inserted = balance.inserted_volume;
   volume_vanished = vanished;
   particles = census.particles;
-  in_walls = census.in_walls, behind_walls = census.behind_walls;
+  in_walls = census.in_walls, behind_walls = census.behind_walls, tag_behind = census.tag_behind;
   solid_volume = state.known_volume;
   inserted_total = state.inserted, vanished_total = state.vanished, grown_total = state.all_grown;
   volume_moved = state.deposit.volume_moved, volume_unplaced = state.deposit.volume_unplaced;

@@ -35,6 +35,7 @@ struct Report {
   /// Where bodies stand: particles whose centre lies in a closed particle cell, with the fluid of the nearest open one;
   /// and those that lie deeper in a body, as if outside the fluid.
   long long in_walls = 0, behind_walls = 0;
+  long long tag_behind = -1;  ///< of one of the latter
   double step_error = 0;      ///< of the last check: Fluid::advance_and_check
   double coupling_error = 0;  ///< of the last check: half the change of the fluid's forces on the particles at the
                               ///< coupling, root mean square over that of the forces themselves

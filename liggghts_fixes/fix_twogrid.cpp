@@ -114,7 +114,7 @@ int FixTwogrid::modify_param(int narg, char** arg) {
   guarded([&] {
     set_up_ = false;
     parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ || has_run_);
-    size_vector = Report::kValues + BodyFigures::kEach * int(script_.bodies.size());
+    size_vector = Report::kValues + BodyFigures::count(script_.bodies.size());
     if (!script_.settings.output.file.empty()) check(script_.settings.output);
     kept_ = kept_ || !script_.checkpoint_write.empty() || !script_.checkpoint_read.empty();
     if (!script_.checkpoint_write.empty()) keep_checkpoint();
@@ -192,7 +192,7 @@ void FixTwogrid::build() {
   fluid_->watch_steps([this](int steps, double share) { watch_.look_within(steps, share, fluid_->time()); });
   const ParticleRegion region = particle_region(*lmp);
   coupling_ = std::make_unique<Coupling>(world, s, *fluid_, region.lo, region.hi, region.reach);
-  body_figures_.take(fluid_->body_forces());
+  body_figures_.take(fluid_->body_forces(), coupling_->report());
   install_models({script_, *fluid_, *coupling_, [this](const std::string& n) { return particle_property(*lmp, n); }});
   watch_.look_at(CouplingWatch(s));
   make_balance();
@@ -247,9 +247,11 @@ void FixTwogrid::pre_exchange() {
 void FixTwogrid::setup(int) {
   guarded([&] {
     Particles p = particles();
+    const bool fresh = !started_ && script_.checkpoint_read.empty();
     if (!script_.checkpoint_read.empty()) read_checkpoint();
     // Not before: LIGGGHTS sets the state of a new fix to its defaults at the beginning of set-up.
     coupling_->start(p, update->dt);
+    if (fresh) body_figures_.take(fluid_->body_forces(), coupling_->report());
     started_ = set_up_ = true;
     names_.run_is_set_up();
     if (gravity_varies_) coupling_->set_gravity(find_weights(*lmp, true));
@@ -300,7 +302,7 @@ void FixTwogrid::couple() {
   const bool check = accuracy_.due();
   watch_.begin_coupling();
   coupling_->advance(p, schedule_.steps(), schedule_.mean_dt(), check);
-  body_figures_.take(fluid_->body_forces());
+  body_figures_.take(fluid_->body_forces(), coupling_->report());
   accuracy_.count_coupling();
   if (check) adjust_steps();
   watch_.look(coupling_->report(), schedule_.steps());

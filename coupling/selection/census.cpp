@@ -37,13 +37,15 @@ Census take_census(MPI_Comm comm, const Particles& p, const Selection& selection
   double inside = double(selection.inside().size()), leaving = double(selection.leaving().size());
   double new_particles = double(mine.new_particles), uncovered = 0, not_finite = 0, bad_tag = -1;
   double in_walls = double(selection.in_walls()), behind_walls = double(selection.behind_walls());
+  double tag_behind = double(selection.tag_behind());
   if (!mine.finite || !selection.covered()) bad_tag = double(selection.find_bad(p, not_finite, uncovered));
   Census all;
   all.radius = mine.radius, all.mass = mine.mass, all.reaction = mine.reaction, all.response = mine.response;
   all.flux_velocity = mine.flux_velocity, all.grown = grown;
   double minus_radius = mine.minus_radius;
   Reduction::over_ranks(
-      comm, {&all.radius, &minus_radius, &all.mass, &all.reaction, &all.response, &all.flux_velocity, &bad_tag},
+      comm,
+      {&all.radius, &minus_radius, &all.mass, &all.reaction, &all.response, &all.flux_velocity, &bad_tag, &tag_behind},
       {&inside, &new_particles, &uncovered, &not_finite, &leaving, &all.grown, &in_walls, &behind_walls});
   const std::string one_of_them = ", one of them tag " + std::to_string((long long)bad_tag);
   if (not_finite > 0)
@@ -59,6 +61,7 @@ Census take_census(MPI_Comm comm, const Particles& p, const Selection& selection
   all.smallest_radius = -minus_radius;
   all.particles = (long long)inside;
   all.in_walls = (long long)in_walls, all.behind_walls = (long long)behind_walls;
+  all.tag_behind = (long long)tag_behind;
   all.new_particles = (long long)new_particles;
   // Most particles a node's sum can hold: all of them, or what sixteen times its volume holds; and those that leave.
   const double smallest = inside > 0 ? sphere_volume(all.smallest_radius) : 1.0;

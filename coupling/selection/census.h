@@ -32,7 +32,7 @@ struct Census {
   long long particles = 0, new_particles = 0;                      ///< inside; of these, new
   double grown = 0;                                                ///< volume gained since the last coupling (m3)
   double terms = 1;                                                ///< particles that a node's sum can hold at most
-  long long in_walls = 0, behind_walls = 0;                        ///< as in Selection
+  long long in_walls = 0, behind_walls = 0, tag_behind = -1;       ///< as in Selection
 
   bool several_sizes() const { return particles > 0 && radius > smallest_radius * (1 + 1e-9); }
 };

@@ -86,7 +86,7 @@ void Selection::find(const Particles& p) {
 
 /// Takes those out of inside_ that lie deep in a body.
 void Selection::look_for_walls(const Particles& p) {
-  in_walls_ = behind_walls_ = 0;
+  in_walls_ = behind_walls_ = 0, tag_behind_ = -1;
   std::size_t n = 0;
   for (int i : inside_) {
     inside_[n++] = i;
@@ -97,6 +97,7 @@ void Selection::look_for_walls(const Particles& p) {
       continue;
     }
     ++behind_walls_;
+    tag_behind_ = std::max(tag_behind_, p.tag ? (long long)p.tag[i] : (long long)i);
     --n;
     if (p.step[i][kDragCoefficient] > 0)
       leaving_.push_back(i);

@@ -32,6 +32,7 @@ class Selection {
   /// Among inside() and among those that are not: centres in closed nodes. Of this rank.
   long long in_walls() const { return in_walls_; }
   long long behind_walls() const { return behind_walls_; }
+  long long tag_behind() const { return tag_behind_; }  ///< of one of these; -1: none
   const Window& window() const { return window_; }
   double reach() const { return region_.reach; }
   /// All particles of this rank that are inside are where they may be.
@@ -57,7 +58,7 @@ class Selection {
   std::vector<int> inside_, leaving_, new_;
   std::vector<int> others_;  // scratch of find()
   bool covered_ = true;
-  long long in_walls_ = 0, behind_walls_ = 0;
+  long long in_walls_ = 0, behind_walls_ = 0, tag_behind_ = -1;
 };
 
 }  // namespace twogrid

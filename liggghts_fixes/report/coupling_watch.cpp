@@ -61,6 +61,12 @@ std::vector<std::string> CouplingWatch::look(const Report& r, int steps, double 
                    " m3) lies above it and finds no room anywhere, and the void fraction goes "
                    "down to " +
                    brief(r.eps_min) + "; lower the bound, or let the domain be larger");
+  if (behind_.due(double(r.behind_walls), 0))
+    said.push_back(
+        std::to_string(r.behind_walls) + " particle(s), one of them of ID " + std::to_string(r.tag_behind) +
+        ", lie in a body, more than a particle cell behind the fluid's wall, and feel no fluid, wanted: none; "
+        "where they have gone through it, give the particles a wall there (fix wall/gran) or lower timestep; "
+        "where that is their place, the body is another one than they feel (fix_modify solid)");
   // What clip throws away is this error, and is told above.
   if (!clip && volume_.due(r.solid_volume_error, kError))
     said.push_back("the grid holds another volume of solids than the particles have, by " +

@@ -45,7 +45,7 @@ class CouplingWatch {
   };
   EpsBound bound_ = EpsBound::kMove;
   double eps_min_ = 0, dt_ = 0;
-  Told courant_, travel_, moved_, unplaced_, volume_, momentum_;
+  Told courant_, travel_, moved_, unplaced_, behind_, volume_, momentum_;
 };
 
 /// At a coupling. now: particles of all ranks, less those that were inserted so far, so that it only falls. most: of

@@ -80,6 +80,11 @@ TEST(CouplingWatch, EachFigureWithItsOwnSentence) {
   EXPECT_TRUE(has(unplaced, "cannot be kept: 5 %") && has(unplaced, "down to 0.2")) << unplaced;
   EXPECT_TRUE(has(one([](Report& r) { r.solid_volume_error = 2e-9; }), "f_ID[6]"));
   EXPECT_TRUE(has(one([](Report& r) { r.momentum_error = 2e-9; }), "f_ID[7]"));
+  const std::string behind = one([](Report& r) {
+    r.behind_walls = 3;
+    r.tag_behind = 7;
+  });
+  EXPECT_TRUE(has(behind, "3 particle(s), one of them of ID 7") && has(behind, "fix wall/gran")) << behind;
 }
 
 TEST(CouplingWatch, TravelNamesWhatCanBeLowered) {
