@@ -76,12 +76,12 @@ bool RegionShape::normal_at(const Vec3& x, const Vec3& direction, double t, doub
   Vec3 e, f;
   across(direction, e, f);
   Vec3 at[2];
-  const Vec3* const beside[2] = {&e, &f};
   for (int q = 0; q < 2; ++q) {
-    const Vec3 from = along(x, *beside[q], step);
+    const Vec3& beside = q == 0 ? e : f;
+    const Vec3 from = along(x, beside, step);
     const double near = first_change(from, direction, t - 4 * step, t + 4 * step, kSamples);
     if (near == kNowhere) return false;
-    at[q] = along(along({0, 0, 0}, *beside[q], step), direction, near - t);
+    at[q] = along(along({0, 0, 0}, beside, step), direction, near - t);
   }
   normal = cross(at[0], at[1]);
   if (!(dot(normal, normal) > 0)) return false;
