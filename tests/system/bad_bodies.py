@@ -7,12 +7,15 @@ Wanted of each wrong one: a non-zero exit code, one line that begins with ERROR,
 pressure drop as without the flaw, and a warning where one is due.
 
 What would pass falsely without it: gas through a hole in the steel, or none of it, computed for hours; an inlet that is walled up
-and flows none the less; a body that the grid doesn't see, or that nobody finds, without a word.
+and flows none the less; a body that the grid doesn't see, or that nobody finds, without a word; grains behind the fluid's wall, who feel
+nothing and tell nobody; a fluid from a checkpoint in a vessel of another shape.
 """
 import concurrent.futures
 
 from bodies import C, H, MU, R, RHO, WALL, WIDE, stl
 from harness import Checks, Run, arguments, column, head
+
+NO_MPIRUN = ()  # one rank each: some 30 processes, and starting is most of it
 
 MESH = "fix cad all mesh/surface file a.stl type 1"
 TUBE = f"region tube cylinder z {C[0]} {C[1]} {R} INF INF side out units box"
@@ -20,8 +23,9 @@ BALL = "region ball sphere 0.0085 0.0085 0.009 0.003 units box"
 POINT = " fluid_at 0.0085 0.0085 0.009"
 
 
-def script(before, modify, after="", inlet="0 0 0.1", steps=20, outside=False):
-    grains = "".join(f"create_atoms 1 single {x} {x} 0.009 units box\n" for x in ([0.0085, 0.0005] if outside else [0.0085]))
+def script(before, modify, after="", inlet="0 0 0.1", steps=20, grains=(0.0085,)):
+    """grains: along the diagonal of the middle plane."""
+    grains = "".join(f"create_atoms 1 single {x} {x} 0.009 units box\n" for x in grains)
     return head(f"0 {WIDE} 0 {WIDE} 0 {H}", 1e-4, boundary="f f f") + grains + f"""set group all diameter 1e-5 density 2500
 {before}
 fix gas all twogrid fine 18 18 18 ratio 3 3 3 density {RHO} viscosity {MU} every 10
@@ -66,7 +70,7 @@ WRONG = {
     "fluid_at outside": (BALL, "solid a region ball fluid_at 0.1 0 0", "fluid_at", "domain"),
     "fluid_at in the solid": (BALL, "solid a region ball" + POINT, "fluid_at", "solid of a"),
     "fluid_at cut short": (BALL, "solid a region ball fluid_at 0.1 0", "fluid_at", "three coordinates"),
-    "both sides reach inlet and outlet": (MESH + "\n" + WALL.format(what="mesh n_meshes 1 meshes cad"), "solid a mesh cad", "fluid_at", dict(outside=True)),
+    "both sides reach inlet and outlet": (MESH + "\n" + WALL.format(what="mesh n_meshes 1 meshes cad"), "solid a mesh cad", "fluid_at", dict(grains=(0.0085, 0.0005))),
     "a mesh that leaks": (MESH, "solid a mesh cad" + POINT, "body 'a'", "fluid on both sides"),
     "no room left": ("region all block INF INF INF INF INF INF units box", "solid a region all", "body 'a'", "no edge"),
     "inlet walled up": ("region plug block INF INF INF INF INF 0.002 units box", "solid a region plug", "zlo", "cover"),
@@ -79,6 +83,33 @@ WRONG = {
 }
 
 
+def behind_the_wall(c, executable):
+    """A wall at 8.6 mm: six particle cells of 2.8 mm; the fourth is open for a sliver, the others behind it are closed."""
+    side = "region side block 0.0086 INF INF INF INF INF units box"
+    run = Run(executable, script(side, "fix_modify gas solid a region side", grains=(0.004, 0.0125, 0.0155, 0.0165)).replace("f_gas[5]\n", "f_gas[5] f_gas[23] f_gas[24]\n"),
+              launcher=NO_MPIRUN)
+    t = run.thermo()
+    c.true(f"grains in the cell behind the wall: {column(t, 'f_gas[23]')} (wanted: 1), and deeper: {column(t, 'f_gas[24]')} (wanted: 2), from the beginning",
+           (column(t, "f_gas[23]") == 1).all() and (column(t, "f_gas[24]") == 2).all())
+    c.true("a warning, once", run.output.count("2 particle(s), one of them of ID 4, lie in a body") == 1)
+
+
+def other_bodies_than_the_checkpoints(c, executable):
+    """LIGGGHTS' own way, by two scripts."""
+    modify = "fix_modify gas solid a region ball"
+    first = Run(executable, script(BALL, modify, "write_restart a.restart\nfix_modify gas checkpoint write a.h5"), launcher=NO_MPIRUN)
+    for name, before, change, words in (
+            ("the same", BALL, modify, ()),
+            ("a ball that is larger", BALL.replace("0.003 units", "0.0031 units"), modify, ("bodies", "solid")),
+            ("a ball a tenth of a cell further", BALL.replace("0.0085 0.0085", "0.0086 0.0085"), modify, ("bodies", "solid")),
+            ("none", "", "", ("no bodies", "solid"))):
+        lines = [line for line in script(before, f"{change}\nfix_modify gas checkpoint read {first.path}/a.h5").split("\n") if not line.startswith(("create_atoms", "set group", "region box"))]
+        text = "\n".join(f"read_restart {first.path}/a.restart" if line.startswith("create_box") else line for line in lines)
+        run = Run(executable, text, expect_success=not words, launcher=NO_MPIRUN)
+        errors = [line for line in run.output.split("\n") if line.startswith("ERROR")]
+        c.true(f"a checkpoint, and the script's bodies: {name}: {errors}", (run.code != 0) == bool(words) == (len(errors) == 1) and all(w in errors[0] for w in words))
+
+
 def main():
     executable, _ = arguments()
     c = Checks("bodies that can't be")
@@ -87,7 +118,7 @@ def main():
         before, modify, *words = WRONG[name]
         further = words.pop() if isinstance(words[-1], dict) else {}
         text = with_hole(tube()) if "leaks" in name else tube()
-        run = Run(executable, script(before, "fix_modify gas " + modify, **further), expect_success=False, files={"a.stl": text})
+        run = Run(executable, script(before, "fix_modify gas " + modify, **further), expect_success=False, files={"a.stl": text}, launcher=NO_MPIRUN)
         errors = [line for line in run.output.split("\n") if line.startswith("ERROR")]
         return name, run.code != 0 and len(errors) == 1 and all(w in errors[0] for w in words), errors or run.output[-300:]
 
@@ -96,7 +127,7 @@ def main():
             c.true(f"{name}: {said}", good)
 
     def drop(before, modify, text=""):
-        run = Run(executable, script(before, modify and "fix_modify gas " + modify), files={"a.stl": text} if text else None)
+        run = Run(executable, script(before, modify and "fix_modify gas " + modify), files={"a.stl": text} if text else None, launcher=NO_MPIRUN)
         return column(run.thermo(), "f_gas[4]")[-1], run
 
     mesh = MESH + "\n" + WALL.format(what="mesh n_meshes 1 meshes cad")
@@ -114,6 +145,8 @@ def main():
     c.true("a wall that the fluid doesn't see: the line to add", "'fix_modify gas solid cad mesh cad'" in run.output)
     _, run = drop(MESH, "solid a mesh cad" + POINT, tube())
     c.true("a mesh that the particles don't feel: a warning", "is no wall for the particles" in run.output)
+    behind_the_wall(c, executable)
+    other_bodies_than_the_checkpoints(c, executable)
     c.end()
 
 
