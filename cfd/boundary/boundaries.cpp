@@ -241,8 +241,7 @@ void Boundaries::apply_normal(FaceField<FineGrid>& u, bool homogeneous) const {
     });
   }
   if (!shares_) return;
-  for (int d = 0; d < 3; ++d)
-    for (std::ptrdiff_t m : shares_->closed(d)) u[d].data()[m] = 0;
+  for (int d = 0; d < 3; ++d) shares_->close(d, u[d].data());
 }
 
 void Boundaries::apply(FaceField<FineGrid>& u, bool homogeneous) const {

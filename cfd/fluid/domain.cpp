@@ -69,7 +69,12 @@ void FluidDomain::make_open_shares() {
     for_each(faces[d], [&](int i, int j, int k) {
       const bool open = alpha[d](i, j, k) > 0;
       if (has[0] && open && !(friction[d](i, j, k) >= 0 && std::isfinite(friction[d](i, j, k)))) ++bad[1];
-      if (has[1] && (!open || held.links[d](i, j, k) & OpenSpace::kSliver)) held.own[d].push_back(theta.index(i, j, k));
+      // Nothing is carried to closed faces among closed ones.
+      const std::ptrdiff_t m = theta.index(i, j, k);
+      bool beside = false;
+      for (int e = 0; e < 3; ++e)
+        beside = beside || alpha[d].data()[m - theta.stride(e)] > 0 || alpha[d].data()[m + theta.stride(e)] > 0;
+      if (has[1] && (open ? held.links[d].data()[m] & OpenSpace::kSliver : beside)) held.own[d].push_back(m);
     });
   double apart[2] = {0, 0};  // open faces beside a closed cell, cells without an open face
   for (int d = 0; d < 3; ++d)
@@ -101,7 +106,7 @@ void FluidDomain::make_open_shares() {
     throw std::invalid_argument("the bodies leave no room for the fluid; wanted: some open cells in its domain");
   held.pieces = std::move(space.pieces), held.surface = std::move(space.surface);
   held.volume = sums[4];
-  measures.set_open(std::make_unique<const OpenShares>(measures, local, solved, std::move(held)));
+  measures.set_open(std::make_unique<const OpenShares>(measures, local, own, faces, solved, std::move(held)));
   boundaries.close_faces(comm, *measures.open());
 }
 

@@ -27,9 +27,8 @@ void IntervalMeans::begin(FluidState& state) const {
 template <int d>
 inline void IntervalMeans::add_gradient(double share, FluidState& state) const {
   const std::ptrdiff_t s = state.p.stride(d);
-  const int n = domain_.faces[d].size(0);
   const double imposed = state.imposed[d];
-  for_each_row(domain_.faces[d], state.p, [&](const Int3& x, std::ptrdiff_t m) {
+  for_each_row(domain_.faces[d], nullptr, state.p, [&](const Int3& x, std::ptrdiff_t m, int n) {
     const RowMeasure<d> row(domain_.measures, x);
     const double* p = state.p.data() + m;
     double* __restrict g = state.mean_grad_p[d].data() + state.mean_grad_p[d].index(x[0], x[1], x[2]);
@@ -41,8 +40,7 @@ inline void IntervalMeans::add_gradient(double share, FluidState& state) const {
 TWOGRID_VECTORISED void IntervalMeans::add_rows(double share, FluidState& state) const {
   if (!state.one_step)
     for (int d = 0; d < 3; ++d) {
-      const int n = state.mean_u[d].box().size(0);
-      for_each_row(state.mean_u[d].box(), state.mean_u[d], [&](const Int3& x, std::ptrdiff_t m) {
+      for_each_row(state.mean_u[d].box(), nullptr, state.mean_u[d], [&](const Int3& x, std::ptrdiff_t m, int n) {
         const double* u = state.u[d].data() + state.u[d].index(x[0], x[1], x[2]);
         double* __restrict mean = state.mean_u[d].data() + m;
         for (int i = 0; i < n; ++i) mean[i] += share * u[i];

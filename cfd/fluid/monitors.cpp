@@ -26,12 +26,13 @@ double Monitors::difference(const FluidState& state, const FluidState& other) co
 TWOGRID_VECTORISED void Monitors::largest_imbalance(const FluidState& state, double& worst, double& displaced) const {
   const FluidState::Rate rate = state.rate;
   const std::ptrdiff_t sy = state.p.stride(1), sz = state.p.stride(2);
-  const int n = domain_.own.size(0);
-  double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
-  std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
+  const int whole = domain_.own.size(0);
+  std::fill_n(row_a_.data(), whole, 0.0), std::fill_n(row_b_.data(), whole, 0.0);
   // h = cbrt(wx wy wz) of a cell: the factor along x is applied once, at the end.
   const OpenShares* open = domain_.measures.open();
-  const auto add_row = [&](const Int3& q, std::ptrdiff_t m, auto excess) {
+  const auto add_row = [&](const Int3& q, std::ptrdiff_t m, int n, auto excess) {
+    const int first = q[0] - domain_.own.lo[0];
+    double* __restrict most = row_a_.data() + first, * __restrict total = row_b_.data() + first;
     const double* ix = &domain_.measures.axis(0).inverse_width_[q[0] - domain_.measures.axis(0).lo];
     const double wy = domain_.measures.axis(1).width(q[1]), wz = domain_.measures.axis(2).width(q[2]);
     const double iy = 1 / wy, iz = 1 / wz, area = wy * wz, h = std::cbrt(area);
@@ -48,15 +49,15 @@ TWOGRID_VECTORISED void Monitors::largest_imbalance(const FluidState& state, dou
       total[i] += void_fraction_rate * area;
     }
   };
-  for_each_row(domain_.own, state.p, [&](const Int3& q, std::ptrdiff_t m) {
+  for_each_row(domain_.own, domain_.measures.open_cells(), state.p, [&](const Int3& q, std::ptrdiff_t m, int n) {
     if (open)
-      add_row(q, m, [excess = rate.excess, theta = open->theta().data() + m](int i) { return excess * theta[i]; });
+      add_row(q, m, n, [excess = rate.excess, theta = open->theta().data() + m](int i) { return excess * theta[i]; });
     else
-      add_row(q, m, [excess = rate.excess](int) { return excess; });
+      add_row(q, m, n, [excess = rate.excess](int) { return excess; });
   });
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < whole; ++i) {
     const double w = domain_.measures.axis(0).width(domain_.own.lo[0] + i);
-    worst = std::max(worst, most[i] * std::cbrt(w)), displaced -= total[i] * w;
+    worst = std::max(worst, row_a_[i] * std::cbrt(w)), displaced -= row_b_[i] * w;
   }
 }
 

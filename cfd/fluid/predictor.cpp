@@ -80,11 +80,10 @@ inline void Predictor::predict_component(const FluidState& state, const Step& st
   const double rho = settings_.density, imposed = state.imposed[d];
   const double c1 = rho * step.a1 / step.dt, c2 = rho * step.a2 / step.dt;
   const std::ptrdiff_t s = state.p.stride(d);
-  const int n = domain_.faces[d].size(0);
   double* __restrict A = row_inertia_.data();
   const FaceComponent<FineGrid>& inertia_share = state.inertia_share()[d];
   const OpenShares* open = domain_.measures.open();
-  for_each_row(domain_.faces[d], state.p, [&](const Int3& x, std::ptrdiff_t m) {
+  for_each_row(domain_.faces[d], domain_.measures.open_faces(d), state.p, [&](const Int3& x, std::ptrdiff_t m, int n) {
     const RowMeasure<d> row(domain_.measures, x);
     const auto share = along_row<d>(domain_.measures.axis(d).above_share_, x[d] - domain_.measures.axis(d).lo);
     const double *p = state.p.data() + m, *now = state.u[d].data() + m, *old = state.u_old[d].data() + m;

@@ -12,7 +12,7 @@ namespace twogrid {
 Projection::Projection(FluidDomain& domain, const FluidSettings& settings)
     : domain_(domain),
       pressure_solver_(std::make_unique<PressureSolver>(domain.comm, domain.grid, domain.layout, settings.pressure_rtol,
-                                                        domain.boundaries.halo())),
+                                                        domain.boundaries.halo(), domain.measures.open_cells())),
       density_(settings.density),
       imbalance_(domain.own),
       row_a_(domain.local.size(0)),
@@ -23,11 +23,10 @@ Projection::~Projection() = default;
 template <int d>
 inline void Projection::conductance_component(const FluidState& state, const Inertia& inertia,
                                               const Interphase& exchange, FaceField<FineGrid>& conductance) {
-  const int n = domain_.faces[d].size(0);
   double* __restrict A = row_a_.data();
   const FaceComponent<FineGrid>& inertia_share = state.inertia_share()[d];
   const OpenShares* open = domain_.measures.open();
-  for_each_row(domain_.faces[d], state.p, [&](const Int3& x, std::ptrdiff_t m) {
+  for_each_row(domain_.faces[d], domain_.measures.open_faces(d), state.p, [&](const Int3& x, std::ptrdiff_t m, int n) {
     const RowMeasure<d> row(domain_.measures, x);
     const double *e = state.eps_f[d].data() + m, *share = inertia_share.data() + m;
     double* __restrict g = conductance[d].data() + m;
@@ -66,10 +65,12 @@ TWOGRID_VECTORISED void Projection::missing_continuity(const FluidState& state, 
                                                        double& scale, double& sum) {
   const FluidState::Rate rate = state.rate;
   const std::ptrdiff_t sy = state.p.stride(1), sz = state.p.stride(2);
-  const int n = domain_.own.size(0);
-  double* __restrict most = row_a_.data(), * __restrict total = row_b_.data();
-  std::fill_n(most, n, 0.0), std::fill_n(total, n, 0.0);
-  for_each_row(domain_.own, state.p, [&](const Int3& q, std::ptrdiff_t m) {
+  const int whole = domain_.own.size(0);
+  std::fill_n(row_a_.data(), whole, 0.0), std::fill_n(row_b_.data(), whole, 0.0);
+  if (domain_.measures.open()) imbalance_.fill(0);
+  for_each_row(domain_.own, domain_.measures.open_cells(), state.p, [&](const Int3& q, std::ptrdiff_t m, int n) {
+    const int first = q[0] - domain_.own.lo[0];
+    double* __restrict most = row_a_.data() + first, * __restrict total = row_b_.data() + first;
     const CellRowMeasure row(domain_.measures, q);
     double* __restrict b = imbalance_.data() + imbalance_.index(q[0], q[1], q[2]);
     const double *ex = state.eps_f[0].data() + m, *ey = state.eps_f[1].data() + m, *ez = state.eps_f[2].data() + m;
@@ -89,7 +90,7 @@ TWOGRID_VECTORISED void Projection::missing_continuity(const FluidState& state, 
       most[i] = std::max(most[i], std::max(x, std::max(y, z)));
     }
   });
-  for (int i = 0; i < n; ++i) scale = std::max(scale, most[i]), sum += total[i];
+  for (int i = 0; i < whole; ++i) scale = std::max(scale, row_a_[i]), sum += row_b_[i];
 }
 
 int Projection::project(FluidState& state, const Step& step, const Inertia& inertia, const Interphase& exchange,
@@ -172,8 +173,7 @@ template <int d>
 inline void Projection::correct_component(const FluidState& state, const FaceField<FineGrid>& conductance,
                                           FaceField<FineGrid>& u_next) const {
   const std::ptrdiff_t s = state.p.stride(d);
-  const int n = domain_.faces[d].size(0);
-  for_each_row(domain_.faces[d], state.p, [&](const Int3& x, std::ptrdiff_t m) {
+  for_each_row(domain_.faces[d], domain_.measures.open_faces(d), state.p, [&](const Int3& x, std::ptrdiff_t m, int n) {
     const RowMeasure<d> row(domain_.measures, x);
     const double *g = conductance[d].data() + m, *e = state.eps_f[d].data() + m, *f = state.phi.data() + m;
     double* __restrict u = u_next[d].data() + m;

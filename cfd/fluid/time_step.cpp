@@ -50,11 +50,12 @@ Step TimeStep::formula(const FluidState& state, double dt) const {
 }
 
 TWOGRID_VECTORISED void TimeStep::courant_rows(const FaceField<FineGrid>& u, double& rate, double& finite) const {
-  const int n = domain_.own.size(0);
+  const int whole = domain_.own.size(0);
   const std::ptrdiff_t sy = u[0].stride(1), sz = u[0].stride(2);
-  double* __restrict most = row_most_.data(), * __restrict sum = row_sum_.data();
-  std::fill_n(most, n, 0.0), std::fill_n(sum, n, 0.0);
-  for_each_row(domain_.own, u[0], [&](const Int3& q, std::ptrdiff_t m) {
+  std::fill_n(row_most_.data(), whole, 0.0), std::fill_n(row_sum_.data(), whole, 0.0);
+  for_each_row(domain_.own, domain_.measures.open_cells(), u[0], [&](const Int3& q, std::ptrdiff_t m, int n) {
+    const int first = q[0] - domain_.own.lo[0];
+    double* __restrict most = row_most_.data() + first, * __restrict sum = row_sum_.data() + first;
     const double* ix = &domain_.measures.axis(0).inverse_width_[q[0] - domain_.measures.axis(0).lo];
     const double iy = domain_.measures.axis(1).inverse_width_[q[1] - domain_.measures.axis(1).lo];
     const double iz = domain_.measures.axis(2).inverse_width_[q[2] - domain_.measures.axis(2).lo];
@@ -68,7 +69,7 @@ TWOGRID_VECTORISED void TimeStep::courant_rows(const FaceField<FineGrid>& u, dou
       sum[i] += x + y + z;
     }
   });
-  for (int i = 0; i < n; ++i) rate = std::max(rate, most[i]), finite += sum[i];
+  for (int i = 0; i < whole; ++i) rate = std::max(rate, row_most_[i]), finite += row_sum_[i];
 }
 
 double TimeStep::courant_rate(const FaceField<FineGrid>& u) const {

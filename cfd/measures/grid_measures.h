@@ -35,6 +35,10 @@ class GridMeasures {
   /// Open shares of faces and cells; null: all is open.
   const OpenShares* open() const { return open_.get(); }
   void set_open(std::unique_ptr<const OpenShares> open) { open_ = std::move(open); }
+  /// Parts of the rows of own cells that are open, of own faces, of own faces and those beside them; null: whole rows.
+  const OpenRows* open_cells() const { return open_ ? &open_->cells() : nullptr; }
+  const OpenRows* open_faces(int d) const { return open_ ? &open_->faces(d) : nullptr; }
+  const OpenRows* open_surroundings(int d) const { return open_ ? &open_->surroundings(d) : nullptr; }
   /// Area of face (i,j,k) normal to d, m2; volume of cell (i,j,k), m3.
   double area(int d, int i, int j, int k) const {
     const Int3 q{i, j, k};

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cfd/measures/grid_measures.h"
+#include "cfd/parallel/vectorised.h"
 
 namespace twogrid {
 
@@ -12,9 +13,14 @@ double mean(double low, double high, double share_of_high) {
   return low + share_of_high * (high - low);
 }
 
+TWOGRID_VECTORISED void multiply(std::size_t n, const double* a, const double* b, double* __restrict product) {
+  for (std::size_t m = 0; m < n; ++m) product[m] = a[m] * b[m];
+}
+
 }  // namespace
 
-OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved, Held held)
+OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const Box& own, const std::array<Box, 3>& faces,
+                       const std::array<bool, 3>& solved, Held held)
     : theta_(std::move(held.theta)),
       theta_f_(std::move(held.theta_f)),
       friction_(std::move(held.friction)),
@@ -33,9 +39,25 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const std
         continue;
       }
       closed_[d].push_back(std::ptrdiff_t(m));
+      std::vector<Run>& runs = closed_runs_[d];
+      if (!runs.empty() && runs.back().first + runs.back().length == std::ptrdiff_t(m))
+        ++runs.back().length;
+      else
+        runs.push_back({std::ptrdiff_t(m), 1});
       open_beside_[d].push_back(open > 0 ? 1 / open : 0.0);
       open = ratio_[d].data()[m] = 0;
     }
+  }
+  cells_ = OpenRows(own, OpenRows::kFloats, [&](int i, int j, int k) { return theta_(i, j, k) > 0; });
+  for (int d = 0; d < 3; ++d) {
+    const FaceComponent<FineGrid>& open = theta_f_[d];  // 0: closed
+    faces_[d] = OpenRows(faces[d], OpenRows::kDoubles, [&](int i, int j, int k) { return open(i, j, k) > 0; });
+    surroundings_[d] = OpenRows(faces[d], OpenRows::kDoubles, [&](int i, int j, int k) {
+      const double* at = &open.data()[open.index(i, j, k)];
+      for (int e = 0; e < 3; ++e)
+        if (at[-open.stride(e)] > 0 || at[open.stride(e)] > 0) return true;
+      return *at > 0;
+    });
   }
   if (has_links())
     set_uncut(measures, local, solved, held.alpha);
@@ -111,13 +133,16 @@ void OpenShares::set_uncut(const GridMeasures& measures, const Box& local, const
 void OpenShares::flux_share(FaceField<FineGrid>& i_f, FaceField<FineGrid>& phi_f) const {
   for (int d = 0; d < 3; ++d) {
     double *i = i_f[d].data(), *phi = phi_f[d].data();
-    const double* ratio = ratio_[d].data();
-    for (std::size_t m = 0; m < ratio_[d].size(); ++m) phi[m] = ratio[m] * i[m];
+    multiply(ratio_[d].size(), ratio_[d].data(), i, phi);
     for (std::size_t q = 0; q < closed_[d].size(); ++q) {
       const std::ptrdiff_t m = closed_[d][q];
       i[m] = phi[m] = open_beside_[d][q] > 0 ? i[m] * open_beside_[d][q] : 1.0;
     }
   }
+}
+
+void OpenShares::close(int d, double* face) const {
+  for (const Run& run : closed_runs_[d]) std::fill_n(face + run.first, run.length, 0.0);
 }
 
 }  // namespace twogrid

@@ -17,6 +17,7 @@
 
 #include "cfd/grid/field.h"
 #include "cfd/grid/grid.h"
+#include "cfd/measures/open_rows.h"
 
 namespace twogrid {
 
@@ -71,7 +72,9 @@ class OpenShares {
     std::vector<WallCell> surface;
     double volume = 0;  // of the whole domain's open part (m3)
   };
-  OpenShares(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved, Held held);
+  /// own, faces: the rank's own cells and faces.
+  OpenShares(const GridMeasures& measures, const Box& local, const Box& own, const std::array<Box, 3>& faces,
+             const std::array<bool, 3>& solved, Held held);
 
   /// Open share of cells; own cells, halo, ghosts.
   const CellField<FineGrid>& theta() const { return theta_; }
@@ -101,7 +104,14 @@ class OpenShares {
   const FaceField<FineGrid>& friction() const { return friction_; }
   /// Memory indices of closed faces, halo included.
   const std::vector<std::ptrdiff_t>& closed(int d) const { return closed_[d]; }
+  /// Zero on all of them.
+  void close(int d, double* face) const;
   double volume() const { return volume_; }
+  /// Rows of own cells and own faces as far as they are open, and of own faces that are open or have an open neighbour
+  /// of their component: momentum is carried no further.
+  const OpenRows& cells() const { return cells_; }
+  const OpenRows& faces(int d) const { return faces_[d]; }
+  const OpenRows& surroundings(int d) const { return surroundings_[d]; }
 
   /// phi_f from i_f, which is the mean of e; both get what closed faces have.
   void flux_share(FaceField<FineGrid>& i_f, FaceField<FineGrid>& phi_f) const;
@@ -118,10 +128,16 @@ class OpenShares {
   CellField<FineGrid> cell_;
   std::array<Array3<unsigned char>, 3> links_;
   std::array<std::vector<std::ptrdiff_t>, 3> closed_, without_convection_;
+  struct Run {
+    std::ptrdiff_t first, length;
+  };
+  std::array<std::vector<Run>, 3> closed_runs_;     // the same faces
   std::array<std::vector<double>, 3> open_beside_;  // of closed faces: 1/theta_f, 0 where no open cell is beside
   std::vector<WallPiece> pieces_;
   std::vector<WallCell> surface_;
   double volume_;
+  OpenRows cells_;
+  std::array<OpenRows, 3> faces_, surroundings_;
 };
 
 }  // namespace twogrid

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cfd/measures/grid_measures.h"
+#include "cfd/measures/open_rows.h"
 
 namespace twogrid {
 
@@ -52,11 +53,21 @@ struct CellRowMeasure {
   double volume(int t) const { return wx[t] * wy * wz; }
 };
 
-/// Calls f(first index of the row, its memory index in `like`) for each row of the box.
+/// Calls f(first index of the row, its memory index in `like`, its length) for each row of the box. open: parts of the
+/// box's rows; null: whole rows.
 template <class F>
-inline void for_each_row(const Box& b, const Array3<double>& like, F&& f) {
+inline void for_each_row(const Box& b, const OpenRows* open, const Array3<double>& like, F&& f) {
+  if (!open) {
+    const int n = b.size(0);
+    for (int k = b.lo[2]; k < b.hi[2]; ++k)
+      for (int j = b.lo[1]; j < b.hi[1]; ++j) f(Int3{b.lo[0], j, k}, like.index(b.lo[0], j, k), n);
+    return;
+  }
   for (int k = b.lo[2]; k < b.hi[2]; ++k)
-    for (int j = b.lo[1]; j < b.hi[1]; ++j) f(Int3{b.lo[0], j, k}, like.index(b.lo[0], j, k));
+    for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+      const OpenRows::Part part = open->at(j, k);
+      if (part.size() > 0) f(Int3{part.begin, j, k}, like.index(part.begin, j, k), part.size());
+    }
 }
 
 }  // namespace twogrid

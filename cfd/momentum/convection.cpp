@@ -52,6 +52,7 @@ ConvectionTerm::ConvectionTerm(const FineGrid& grid, const GridMeasures& measure
     : own_(own),
       local_(local),
       faces_(faces),
+      rows_{measures.open_surroundings(0), measures.open_surroundings(1), measures.open_surroundings(2)},
       solved_(solved),
       axis_{measures.axis(0), measures.axis(1), measures.axis(2)},
       periodic_(grid.periodic()),
@@ -77,6 +78,9 @@ void ConvectionTerm::list_cut_sides(const OpenShares& open) {
         const auto cut = [&](std::ptrdiff_t lower) {
           return !(open.alpha(c, lower) > 0 && open.alpha(c, lower + s) > 0 && open.linked(c, d, lower));
         };
+        // Where both faces that carry through a side are closed nothing passes it.
+        const std::ptrdiff_t other = m - (c == d ? s : theta.stride(c));
+        if (!(open.alpha(d, m) > 0 || open.alpha(d, other) > 0)) return;
         const CutSide side{x, cut(m - 2 * s), cut(m - s), m + s < std::ptrdiff_t(theta.size()) && cut(m)};
         if (side.below || side.between || side.above) cut_sides_[c][d].push_back(side);
       });
@@ -160,34 +164,54 @@ inline void ConvectionTerm::side_row(const Convected& a, int i, int j, int k, in
   }
 }
 
-template <int c, bool limited>
-inline void ConvectionTerm::convect_component(const Convected& a, Array3<double>& out) {
+/// Of a row of own faces: what has to be worked on. None beyond the last rows. whole: all of it, the same for all rows.
+template <bool whole>
+inline OpenRows::Part ConvectionTerm::part(int c, int j, int k) const {
   const Box& b = faces_[c];
-  const int n = b.size(0), row = local_.size(0);
+  if (whole) return {b.lo[0], b.hi[0]};
+  return j < b.hi[1] && k < b.hi[2] ? rows_[c]->at(j, k) : OpenRows::Part{b.lo[0], b.lo[0]};
+}
+
+template <int c, bool limited, bool whole>
+inline void ConvectionTerm::convect_component(const Convected& a, Array3<double>& out) {
+  using Part = OpenRows::Part;
+  const auto both = [](const Part& p, const Part& q) { return whole ? p : OpenRows::hull(p, q); };
+  const Box& b = faces_[c];
+  const int first = b.lo[0], row = local_.size(0);
   const std::size_t slab = std::size_t(row) * local_.size(1);
   double* x_side = side_[0].data();
   double *y_low = side_[1].data(), *y_high = y_low + row;
   double *z_low = side_[2].data(), *z_high = z_low + slab;
   auto z_row = [&](double* z, int j) { return z + std::size_t(row) * (j - b.lo[1]); };
   if (solved_[2])
-    for (int j = b.lo[1]; j < b.hi[1]; ++j) side_row<c, 2, limited>(a, b.lo[0], j, b.lo[2], n, z_row(z_low, j));
-  for (int k = b.lo[2]; k < b.hi[2]; ++k) {
-    if (solved_[1]) side_row<c, 1, limited>(a, b.lo[0], b.lo[1], k, n, y_low);
     for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-      double* o = out.data() + out.index(b.lo[0], j, k);
-      if (solved_[0]) {
-        side_row<c, 0, limited>(a, b.lo[0], j, k, n + 1, x_side);
+      const Part p = part<whole>(c, j, b.lo[2]);
+      if (p.size() > 0) side_row<c, 2, limited>(a, p.begin, j, b.lo[2], p.size(), z_row(z_low, j) + (p.begin - first));
+    }
+  for (int k = b.lo[2]; k < b.hi[2]; ++k) {
+    const Part lowest = part<whole>(c, b.lo[1], k);
+    if (solved_[1] && lowest.size() > 0)
+      side_row<c, 1, limited>(a, lowest.begin, b.lo[1], k, lowest.size(), y_low + (lowest.begin - first));
+    for (int j = b.lo[1]; j < b.hi[1]; ++j) {
+      // A side is computed as far as the row below it or the one above it needs it.
+      const Part p = part<whole>(c, j, k);
+      const int at = p.begin - first, n = p.size();
+      double* o = out.data() + out.index(p.begin, j, k);
+      if (solved_[0] && n > 0) {
+        side_row<c, 0, limited>(a, p.begin, j, k, n + 1, x_side);
         for (int i = 0; i < n; ++i) o[i] -= x_side[i + 1] - x_side[i];
       }
       if (solved_[1]) {
-        side_row<c, 1, limited>(a, b.lo[0], j + 1, k, n, y_high);
-        for (int i = 0; i < n; ++i) o[i] -= y_high[i] - y_low[i];
+        const Part q = both(p, part<whole>(c, j + 1, k));
+        if (q.size() > 0) side_row<c, 1, limited>(a, q.begin, j + 1, k, q.size(), y_high + (q.begin - first));
+        for (int i = 0; i < n; ++i) o[i] -= y_high[at + i] - y_low[at + i];
         std::swap(y_low, y_high);
       }
       if (solved_[2]) {
         double *low = z_row(z_low, j), *high = z_row(z_high, j);
-        side_row<c, 2, limited>(a, b.lo[0], j, k + 1, n, high);
-        for (int i = 0; i < n; ++i) o[i] -= high[i] - low[i];
+        const Part q = both(p, part<whole>(c, j, k + 1));
+        if (q.size() > 0) side_row<c, 2, limited>(a, q.begin, j, k + 1, q.size(), high + (q.begin - first));
+        for (int i = 0; i < n; ++i) o[i] -= high[at + i] - low[at + i];
       }
     }
     std::swap(z_low, z_high);
@@ -198,10 +222,12 @@ void ConvectionTerm::add(double rho, const FaceField<FineGrid>& eps_f, const Fac
                          FaceField<FineGrid>& out) {
   if (scheme == Convection::kNone || own_.empty()) return;
   const Convected a{rho, eps_f, u};
-  if (scheme == Convection::kVanLeer)
-    convect_limited(a, out), centre_cut_sides(a, out);
-  else
-    convect_central(a, out);
+  if (scheme == Convection::kVanLeer) {
+    rows_[0] ? convect_limited_between_bodies(a, out) : convect_limited(a, out);
+    centre_cut_sides(a, out);
+  } else {
+    rows_[0] ? convect_central_between_bodies(a, out) : convect_central(a, out);
+  }
 }
 
 void ConvectionTerm::centre_cut_sides(const Convected& a, FaceField<FineGrid>& out) const {
@@ -211,15 +237,27 @@ void ConvectionTerm::centre_cut_sides(const Convected& a, FaceField<FineGrid>& o
 }
 
 TWOGRID_VECTORISED void ConvectionTerm::convect_limited(const Convected& a, FaceField<FineGrid>& out) {
-  if (solved_[0]) convect_component<0, true>(a, out[0]);
-  if (solved_[1]) convect_component<1, true>(a, out[1]);
-  if (solved_[2]) convect_component<2, true>(a, out[2]);
+  if (solved_[0]) convect_component<0, true, true>(a, out[0]);
+  if (solved_[1]) convect_component<1, true, true>(a, out[1]);
+  if (solved_[2]) convect_component<2, true, true>(a, out[2]);
+}
+
+TWOGRID_VECTORISED void ConvectionTerm::convect_limited_between_bodies(const Convected& a, FaceField<FineGrid>& out) {
+  if (solved_[0]) convect_component<0, true, false>(a, out[0]);
+  if (solved_[1]) convect_component<1, true, false>(a, out[1]);
+  if (solved_[2]) convect_component<2, true, false>(a, out[2]);
 }
 
 TWOGRID_VECTORISED void ConvectionTerm::convect_central(const Convected& a, FaceField<FineGrid>& out) {
-  if (solved_[0]) convect_component<0, false>(a, out[0]);
-  if (solved_[1]) convect_component<1, false>(a, out[1]);
-  if (solved_[2]) convect_component<2, false>(a, out[2]);
+  if (solved_[0]) convect_component<0, false, true>(a, out[0]);
+  if (solved_[1]) convect_component<1, false, true>(a, out[1]);
+  if (solved_[2]) convect_component<2, false, true>(a, out[2]);
+}
+
+TWOGRID_VECTORISED void ConvectionTerm::convect_central_between_bodies(const Convected& a, FaceField<FineGrid>& out) {
+  if (solved_[0]) convect_component<0, false, false>(a, out[0]);
+  if (solved_[1]) convect_component<1, false, false>(a, out[1]);
+  if (solved_[2]) convect_component<2, false, false>(a, out[2]);
 }
 
 /// Where the limiter would compare a slope with one to a wall, or through one, the mean of the two faces is taken.

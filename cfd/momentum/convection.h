@@ -30,17 +30,23 @@ class ConvectionTerm {
   struct Convected;  // what is convected, and by what
   template <int c, int d, bool limited>
   void side_row(const Convected& a, int i, int j, int k, int count, double* q) const;
-  template <int c, bool limited>
+  template <int c, bool limited, bool whole>
   void convect_component(const Convected& a, Array3<double>& out);
   void convect_limited(const Convected& a, FaceField<FineGrid>& out);
   void convect_central(const Convected& a, FaceField<FineGrid>& out);
+  void convect_limited_between_bodies(const Convected& a, FaceField<FineGrid>& out);
+  void convect_central_between_bodies(const Convected& a, FaceField<FineGrid>& out);
   void list_cut_sides(const OpenShares& open);
   void centre_cut_sides(const Convected& a, FaceField<FineGrid>& out) const;
   template <int c, int d>
   void centre_cut_sides(const Convected& a, Array3<double>& out) const;
 
+  template <bool whole>
+  OpenRows::Part part(int c, int j, int k) const;
+
   Box own_, local_;
   std::array<Box, 3> faces_;
+  std::array<const OpenRows*, 3> rows_;  // parts of the faces' rows; null: whole rows
   std::array<bool, 3> solved_;
   std::array<AxisMeasure, 3> axis_;
   std::array<bool, 3> periodic_;

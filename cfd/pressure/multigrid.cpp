@@ -204,8 +204,29 @@ class Multigrid<T>::Gathered {
   std::array<Array3<double>, 3> g_;
 };
 
+namespace {
+
+/// The given rows of the first level; of a coarser one all parents of the finer one's.
 template <class T>
-Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, const Int3& halo) {
+std::unique_ptr<const OpenRows> open_rows(const std::vector<MultigridLevel<T>>& levels, const OpenRows& of_first) {
+  if (levels.size() == 1) return std::make_unique<const OpenRows>(of_first);
+  const MultigridLevel<T>&level = levels.back(), &fine = levels[levels.size() - 2];
+  Array3<char> open(level.own, 0);
+  for (int k = fine.own.lo[2]; k < fine.own.hi[2]; ++k)
+    for (int j = fine.own.lo[1]; j < fine.own.hi[1]; ++j) {
+      const OpenRows::Part p = fine.open->at(j, k);
+      for (int i = p.begin; i < p.end; ++i)
+        open(fine.parent[0][i - fine.own.lo[0]], fine.parent[1][j - fine.own.lo[1]],
+             fine.parent[2][k - fine.own.lo[2]]) = 1;
+    }
+  return std::make_unique<const OpenRows>(level.own, OpenRows::kFloats,
+                                          [&](int i, int j, int k) { return open(i, j, k) != 0; });
+}
+
+}  // namespace
+
+template <class T>
+Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, const Int3& halo, const OpenRows* open) {
   const int rank = rank_of(comm);
   Lines lines;
   for (int d = 0; d < 3; ++d) lines[d] = {grid.axis[d].nodes(), layout.cuts()[d]};
@@ -219,6 +240,7 @@ Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, c
       }
     const Int3 n{lines[0].n(), lines[1].n(), lines[2].n()};
     levels_.emplace_back(comm, rank, std::move(boxes), n, grid.periodic(), halo);
+    if (open) levels_.back().open = open_rows(levels_, *open);
     const double cells = double(n[0]) * n[1] * n[2];
     if (cells <= kDirect || (layout.ranks() > 1 && cells <= kGather)) break;
     const Parents parents = choose_pairs(lines, kStretch, kShrink);

@@ -24,6 +24,7 @@
 #include "cfd/grid/box.h"
 #include "cfd/grid/grid.h"
 #include "cfd/grid/layout.h"
+#include "cfd/measures/open_rows.h"
 
 namespace twogrid {
 
@@ -43,8 +44,10 @@ class Multigrid {
   static constexpr int kGather = 1000;
 
   /// All ranks give the same arguments. halo[d]: 1, or 0 where one cell lies between closed sides in d (y or z): no
-  /// memory is held beyond them.
-  Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, const Int3& halo = {1, 1, 1});
+  /// memory is held beyond them. open: parts of the rows of own cells beyond which no cell will ever have a conductance;
+  /// null: whole rows.
+  Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, const Int3& halo = {1, 1, 1},
+            const OpenRows* open = nullptr);
   ~Multigrid();
 
   /// g[d](i,j,k): of the low face of cell (i,j,k) in direction d; on own cells and a halo of at least one, the high

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "cfd/grid/box.h"
+#include "cfd/measures/open_rows.h"
 #include "cfd/parallel/seven_point_halo.h"
 #include "cfd/parallel/vectorised.h"
 
@@ -28,6 +30,7 @@ struct MultigridLevel {
   bool odd_seam = false;       // an odd number of cells around a period: neighbours of one colour meet there
   std::array<Array3<T>, 3> g;  // of the low face
   Array3<T> dinv, x, b;
+  std::unique_ptr<const OpenRows> open;  // parts of rows beyond which no cell has a conductance; null: whole rows
   // To the next level, by index of an own cell minus own.lo:
   std::array<std::vector<int>, 3> parent;  // its parent's global index
   std::array<std::vector<int>, 3> side;    // where the second parent of the interpolation lies: -1, 1, or 0: no second
@@ -165,21 +168,32 @@ struct MultigridLevel {
       }
   }
 
-  /// Calls f(j, k, memory index of the row's first own cell, stripes of the colour) for each row of own cells.
+  /// Calls f(j, k, first cell less own.lo, number of cells, memory index of the first, stripes of the colour from it on)
+  /// for each row of own cells, as far as it is open.
   template <class F>
   void whole_rows(int colour, F&& f) const {
     if (own.empty()) return;  // else, with no cell in x, f would look for the colour of a row's first cell
+    if (!open) {
+      const int n0 = own.size(0);
+      for (int k = own.lo[2]; k < own.hi[2]; ++k)
+        for (int j = own.lo[1]; j < own.hi[1]; ++j)
+          f(j, k, 0, n0, x.index(own.lo[0], j, k), stripes.data() + ((own.lo[0] + j + k + colour) & 1));
+      return;
+    }
     for (int k = own.lo[2]; k < own.hi[2]; ++k)
-      for (int j = own.lo[1]; j < own.hi[1]; ++j)
-        f(j, k, x.index(own.lo[0], j, k), stripes.data() + ((own.lo[0] + j + k + colour) & 1));
+      for (int j = own.lo[1]; j < own.hi[1]; ++j) {
+        const OpenRows::Part p = open->at(j, k);
+        if (p.size() > 0)
+          f(j, k, p.begin - own.lo[0], p.size(), x.index(p.begin, j, k),
+            stripes.data() + ((p.begin + j + k + colour) & 1));
+      }
   }
 
   /// x = b / diagonal: a Gauss-Seidel half sweep that starts from zero. Of both colours: that of the other is
   /// overwritten unread by the half sweep that follows, but for those across an odd seam, which are cleared.
   TWOGRID_VECTORISED void start(int colour) {
-    const int nx = own.size(0);
     const bool one = odd_seam;
-    whole_rows(colour, [&](int, int, std::ptrdiff_t m, const T* mine) {
+    whole_rows(colour, [&](int, int, int, int nx, std::ptrdiff_t m, const T* mine) {
       const T *di = dinv.data() + m, *bb = b.data() + m;
       T* __restrict xx = x.data() + m;
       for (int i = 0; i < nx; ++i) xx[i] = di[i] * bb[i];
@@ -191,9 +205,8 @@ struct MultigridLevel {
   /// Whole rows are computed, which vectorises, and one colour is kept.
   TWOGRID_VECTORISED void smooth(int colour) {
     const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
-    const int nx = own.size(0);
     T* __restrict found = row.data();
-    whole_rows(colour, [&](int, int, std::ptrdiff_t m, const T* mine) {
+    whole_rows(colour, [&](int, int, int, int nx, std::ptrdiff_t m, const T* mine) {
       const T *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *di = dinv.data() + m,
               *bb = b.data() + m;
       T* xx = x.data() + m;
@@ -210,10 +223,9 @@ struct MultigridLevel {
   /// halo.
   TWOGRID_VECTORISED void restrict_residual(int colour, MultigridLevel& coarse) {
     const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
-    const int nx = own.size(0);
     T* __restrict r = row.data();
     T* cb = coarse.b.data();
-    whole_rows(colour, [&](int j, int k, std::ptrdiff_t m, const T* mine) {
+    whole_rows(colour, [&](int j, int k, int first, int nx, std::ptrdiff_t m, const T* mine) {
       const T *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *bb = b.data() + m,
               *xx = x.data() + m;
 #pragma GCC ivdep
@@ -224,7 +236,7 @@ struct MultigridLevel {
                         (gz[i] * (xx[i - sz] - c) + gz[i + sz] * (xx[i + sz] - c)));
       }
       const T *wx = w[0].data() + m, *wy = w[1].data() + m, *wz = w[2].data() + m;
-      const int *to = parent[0].data(), *beside = side[0].data();
+      const int *to = parent[0].data() + first, *beside = side[0].data() + first;
       T* row_b = cb + coarse.b.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
       const std::ptrdiff_t oy = side[1][j - own.lo[1]] * coarse.b.stride(1),
                            oz = side[2][k - own.lo[2]] * coarse.b.stride(2);
@@ -241,13 +253,12 @@ struct MultigridLevel {
 
   /// x += P coarse.x on the cells of one colour.
   TWOGRID_VECTORISED void prolong(int colour, const MultigridLevel& coarse) {
-    const int nx = own.size(0);
-    whole_rows(colour, [&](int j, int k, std::ptrdiff_t m, const T* mine) {
+    whole_rows(colour, [&](int j, int k, int first, int nx, std::ptrdiff_t m, const T* mine) {
       const T* row_x = coarse.x.data() + coarse.x.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
       const std::ptrdiff_t oy = side[1][j - own.lo[1]] * coarse.x.stride(1),
                            oz = side[2][k - own.lo[2]] * coarse.x.stride(2);
       const T *wx = w[0].data() + m, *wy = w[1].data() + m, *wz = w[2].data() + m;
-      const int *from = parent[0].data(), *beside = side[0].data();
+      const int *from = parent[0].data() + first, *beside = side[0].data() + first;
       T* xx = x.data() + m;
       for (int i = mine[0] != 0 ? 0 : 1; i < nx; i += 2) {
         const T *p = row_x + from[i], c = *p;

@@ -45,8 +45,8 @@ double power_of_two(double x) {
 
 class PressureSolver::Impl {
  public:
-  Impl(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo)
-      : comm_(comm), grid_(grid), n_(grid.n()), multigrid_(comm, grid, layout, narrowed(halo)) {
+  Impl(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo, const OpenRows* open)
+      : comm_(comm), grid_(grid), n_(grid.n()), multigrid_(comm, grid, layout, narrowed(halo), open) {
     const int rank = rank_of(comm);
     own_ = layout.cells(rank);
     halo_ = SevenPointHalo(comm, layout.all_cells(), n_, grid.periodic(), halo);
@@ -396,8 +396,9 @@ class PressureSolver::Impl {
   PetscSolver ksp_;
 };
 
-PressureSolver::PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo)
-    : impl_(std::make_unique<Impl>(comm, grid, layout, rtol, halo)) {}
+PressureSolver::PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo,
+                               const OpenRows* open)
+    : impl_(std::make_unique<Impl>(comm, grid, layout, rtol, halo, open)) {}
 PressureSolver::~PressureSolver() = default;
 
 double PressureSolver::rtol() const {

@@ -10,6 +10,7 @@
 #include "cfd/grid/field.h"
 #include "cfd/grid/grid.h"
 #include "cfd/grid/layout.h"
+#include "cfd/measures/open_rows.h"
 
 namespace twogrid {
 
@@ -20,7 +21,9 @@ class PressureSolver {
   /// halo[d]: width of the caller's arrays' halo, at least 1; 0 where one cell lies between closed sides in d (y or z).
   /// Conductances and phi on own cells and that halo are used where they are, and so is a right-hand side on own cells;
   /// arrays on other boxes are copied.
-  PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo = {1, 1, 1});
+  /// open: parts of the rows of own cells beyond which no cell will ever have a conductance; null: whole rows.
+  PressureSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo = {1, 1, 1},
+                 const OpenRows* open = nullptr);
   ~PressureSolver();
 
   /// Relative tolerance in force: the constructor's, or -fluid_pressure_rtol, or -fluid_pressure_ksp_rtol.

@@ -64,6 +64,8 @@ Map::Map(MPI_Comm comm, const Fluid& fluid, const ParticleGrid& grid)
     open_[d] = OpenFaces(state, of_own_nodes);
   }
   for (int d = 0; shares_ && d < 3; ++d) {
+    const Axis& a = fine_.axis[d];
+    for (int i = 0; i <= a.n(); ++i) upper_half_[d].push_back(i < a.n() ? 0.5 * width_[d][i] / face_width_[d][i] : 0.0);
     holds_back_[d] = false;
     CellField<ParticleGrid>& sum = inverse_[d];
     for_each(own_,
@@ -350,25 +352,40 @@ TWOGRID_VECTORISED void NodeSpread::fill_row(int d, int i, int j, int k, int n, 
 }
 
 /// The same with open shares: either half of the face's volume has the value of the node it lies in, times theta.
-void NodeSpread::fill_open_row(int d, int i, int j, int k, int n, double* out) const {
+TWOGRID_VECTORISED void NodeSpread::fill_open_row(int d, int i, int j, int k, int n, double* __restrict out) const {
   const Map& map = *map_;
   const CellField<ParticleGrid>& share = share_[d];
   const CellField<FineGrid>& theta = map.shares_->theta();
-  const Int3& r = map.grid_.ratio;
-  const int last = map.fine_.axis[d].n();
-  const double* const open = map.open_[d].row(j, k);
-  for (int q = 0; q < n; ++q) {
-    const Int3 above{i + q, j, k};
-    Int3 below = above, N{above[0] / r[0], above[1] / r[1], above[2] / r[2]}, under = N;
-    --below[d];
-    if (above[d] % r[d] == 0) --under[d];
-    const double upper =
-        above[d] < last ? 0.5 * map.width_[d][above[d]] / map.face_width_[d][above[d]] : 0.0;  // above the last: none
-    double sum = 0;
-    if (upper > 0) sum += upper * theta(above[0], above[1], above[2]) * share(N[0], N[1], N[2]);
-    if (upper < 1) sum += (1 - upper) * theta(below[0], below[1], below[2]) * share(under[0], under[1], under[2]);
-    out[q] = open ? sum * open[i + q - map.faces_[d].lo[0]] : sum;
+  const std::ptrdiff_t down = share.stride(d), lower = theta.stride(d);
+  const double* const node = share.data() + share.index(0, map.block_[1][j], map.block_[2][k]);
+  const double* const cell = theta.data() + theta.index(i, j, k);
+  const int* const block = map.block_[0].data() + i;
+  const double* const half = d == 0 ? map.upper_half_[0].data() + i : &map.upper_half_[d][d == 1 ? j : k];
+  if (d == 0) {
+    const int end = std::min(n, map.grid_.n()[0] * map.grid_.ratio[0] - i);
+    const auto between = [&](int q, int under) {
+      return half[q] * cell[q] * node[block[q]] + (1 - half[q]) * cell[q - 1] * node[under];
+    };
+    // Below the first face and above the last there may be no cell.
+    if (i == 0) out[0] = half[0] < 1 ? between(0, block[0] - 1) : cell[0] * node[block[0]];
+    for (int q = i == 0 ? 1 : 0; q < end; ++q) out[q] = between(q, block[q - 1]);
+    if (end < n) out[end] = cell[end - 1] * node[block[end - 1]];
+  } else {
+    const int at = d == 1 ? j : k, under = at > 0 ? map.block_[d][at - 1] : -1;
+    const double* const low = node - (map.block_[d][at] - under) * down;
+    const double upper = *half;
+    if (upper == 0)
+      for (int q = 0; q < n; ++q) out[q] = cell[q - lower] * low[block[q]];
+    else if (upper == 1)
+      for (int q = 0; q < n; ++q) out[q] = cell[q] * node[block[q]];
+    else
+      for (int q = 0; q < n; ++q)
+        out[q] = upper * cell[q] * node[block[q]] + (1 - upper) * cell[q - lower] * low[block[q]];
   }
+  const double* const open = map.open_[d].row(j, k);
+  if (!open) return;
+  const double* const factor = open + (i - map.faces_[d].lo[0]);
+  for (int q = 0; q < n; ++q) out[q] *= factor[q];
 }
 
 void NodeSpread::row(int d, int i, int j, int k, int n, double* out) const {

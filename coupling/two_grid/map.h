@@ -78,6 +78,7 @@ class Map {
   std::array<std::vector<double>, 3> face_width_;  // of momentum volumes, their part inside the domain (m)
   // Face i of direction d takes the share `above` of node [i / r] and 1 - above of the node below.
   std::array<std::vector<double>, 3> above_;
+  std::array<std::vector<double>, 3> upper_half_;   // share of the cell above in a face's width; only with open shares
   std::array<std::vector<double>, 3> above_share_;  // of the cell above a face in the mean of eps on it
   std::array<std::vector<int>, 3> block_;           // node of fine cell i; of the last face: one beyond the last
   std::array<std::vector<double>, 3> half_;         // [d][m n + N]: width inside block N of its face m = 0 ... r

@@ -143,7 +143,9 @@ class FakeFluid : public Fluid {
         if (!(alpha[d](i, j, k) > 0)) state_[d](i, j, k) = FaceState::kFixed;
       });
     held.volume = open;
-    open_ = std::make_unique<OpenShares>(measures, local, std::array<bool, 3>{true, true, true}, std::move(held));
+    open_ = std::make_unique<OpenShares>(measures, local, own_cells_,
+                                         std::array<Box, 3>{own_cells_, own_cells_, own_cells_},
+                                         std::array<bool, 3>{true, true, true}, std::move(held));
   }
 
   std::unique_ptr<OpenShares> open_;
