@@ -95,9 +95,12 @@ void MeanMotion::sum_motion(const Particles& p, const std::vector<int>* who) {
 
 template <bool kCut>
 void MeanMotion::add_motion(const Particles& p, const std::vector<int>* who) {
+  const double a = momentum_unit_.per_unit();
+  const Four per_unit{a, a, a, mass_unit_.per_unit()};
   auto add = [&](int i) {
-    Four whole{0, 0, 0, mass_unit_.whole(p.mass[i])};
-    for (int d = 0; d < 3; ++d) whole[d] = momentum_unit_.whole(p.mass[i] * p.v[i][d]);
+    const double m = p.mass[i], *v = p.v[i];
+    Four whole = Four{m * v[0], m * v[1], m * v[2], m} * per_unit;
+    FixedPoint::to_whole(whole);
     at<kCut>(p.x[i], [&](const auto& place) { scatter(place, shape_, whole, window_sum_[kMotion].data()); });
   };
   if (who)
@@ -111,13 +114,19 @@ template <bool kCut>
 void MeanMotion::add_flux_and_drag(const Particles& p, const std::vector<int>& who,
                                    const std::vector<FourNumbers>& flux_velocity, const Largest& largest, bool drag) {
   const FixedPoint b_unit(largest.drag_coefficient, largest.terms), force_unit(largest.drag, largest.terms);
+  const double f = force_unit.per_unit();
+  const Four force_per_unit{f, f, f, b_unit.per_unit()};
   for (std::size_t q = 0; q < who.size(); ++q) {
     const int i = who[q];
     const double *u = p.step[i] + kStepVelocity, b = p.step[i][kDragCoefficient];
-    Four flux{0, 0, 0, 0}, force{0, 0, 0, drag ? b_unit.whole(b) : 0};
-    for (int d = 0; d < 3; ++d) {
-      flux[d] = momentum_unit_.whole(p.mass[i] * flux_velocity[q].at[d]);
-      if (drag) force[d] = force_unit.whole(b * (u[d] - p.v[i][d]));
+    Four flux = p.mass[i] * four_at(flux_velocity[q].at) * momentum_unit_.per_unit(), force{0, 0, 0, 0};
+    flux[3] = 0;
+    FixedPoint::to_whole(flux);
+    if (drag) {
+      for (int d = 0; d < 3; ++d) force[d] = b * (u[d] - p.v[i][d]);
+      force[3] = b;
+      force *= force_per_unit;
+      FixedPoint::to_whole(force);
     }
     at<kCut>(p.x[i], [&](const auto& place) {
       scatter(place, shape_, flux, window_sum_[kFlux].data());

@@ -38,7 +38,15 @@ class FixedPoint {
     const double w = nearest(q);
     return std::abs(w) < 0x1p51 ? w : 0.0;
   }
-  /// The same as an integer.
+  /// Whole numbers of four values, which are multiplied by their units' per_unit() already; the same of what is not finite
+  /// or far out of range.
+  static void to_whole(Four& values) {
+    const Four w = (values + kWhole) - kWhole;
+    Four size;
+    size_of(w, size);
+    values = (Four)((FourIntegers)w & (size < 0x1p51));
+  }
+  /// As whole(), an integer.
   long long quantise(double q) const {
     const double w = nearest(q);
     return std::abs(w) < 0x1p62 ? static_cast<long long>(w) : 0;

@@ -325,6 +325,14 @@ TEST(Reading, WeightsOfWhatIsNotFinite) {
   for (double x : {double(NAN), HUGE_VAL, -HUGE_VAL, 1e300}) {
     EXPECT_EQ(FixedPoint(1.0, 1.0).quantise(x), 0);
     EXPECT_EQ(FixedPoint(1.0, 1.0).whole(x), 0.0);
+    for (int c = 0; c < 4; ++c) {
+      Four values{0.4, -0.3, 0.2, 0.1};
+      values *= FixedPoint(1.0, 1.0).per_unit();
+      const Four good = values;
+      values[c] = x;
+      FixedPoint::to_whole(values);
+      for (int e = 0; e < 4; ++e) EXPECT_EQ(values[e], e == c ? 0.0 : std::nearbyint(good[e]));
+    }
   }
 }
 
