@@ -45,7 +45,8 @@ FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg)
   guarded([&] {
     script_ = parse_fix(id, std::vector<std::string>(arg + 3, arg + narg));
     refuse_unsupported(*lmp, id, kStyle);
-    check_memory(world, script_.settings, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells());
+    check_memory(world, script_.settings, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells(),
+                 script_.bodies.size());
     Script early = script_;  // what the box alone already rules out
     complete(early, box_facts(*lmp));
   });
@@ -166,7 +167,8 @@ void FixTwogrid::init() {
 
 void FixTwogrid::build() {
   Settings& s = script_.settings;
-  watch_.say(check_memory(world, s, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells()));
+  watch_.say(check_memory(world, s, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells(),
+                          script_.bodies.size()));
   complete(script_, box_facts(*lmp));
   names_.resolve();
   const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));

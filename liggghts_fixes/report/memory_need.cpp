@@ -61,8 +61,8 @@ double free_in_process() {
 
 }  // namespace
 
-double bytes_needed(const Settings& s, const Int3& bricks) {
-  constexpr double kDouble = sizeof(double), kMultigrid = 36 * 1.55, kParticleCell = 650;
+double bytes_needed(const Settings& s, const Int3& bricks, std::size_t bodies) {
+  constexpr double kDouble = sizeof(double), kMultigrid = 36 * 1.55, kParticleCell = 650, kCutSurface = 7000;
   const double cells = product(s.fine);
   double with_halo = cells;
   for (int d = 0; d < 3; ++d)
@@ -71,6 +71,9 @@ double bytes_needed(const Settings& s, const Int3& bricks) {
   // fields of the fluid 20, void fraction of the interval 4, mean velocity 3
   const double fields = 27 + (A ? 6 : 0) + (checks ? 43 : 0) + (s.fluid.implicit_viscosity == Choice::kOn ? 7 : 0);
   double bytes = with_halo * (kDouble * fields + 3) + cells * (kDouble * 5 + kMultigrid);
+  // Open shares and what is made of them 18 fields, inertia share and eps of the open space 4, friction 3; bits of links.
+  // Lists of the faces that are cut: measured for a cylinder across the box, an estimate for others.
+  if (bodies > 0) bytes += with_halo * (kDouble * 25 + 3) + kCutSurface * std::cbrt(cells * cells);
   double coarse = cells;
   for (int r : s.ratio) coarse /= r;
   bytes += coarse * kParticleCell;
@@ -93,14 +96,14 @@ std::string bytes_text(double bytes) {
   return out.str();
 }
 
-std::string check_memory(MPI_Comm comm, const Settings& s, const Int3& bricks, double most_cells) {
+std::string check_memory(MPI_Comm comm, const Settings& s, const Int3& bricks, double most_cells, std::size_t bodies) {
   int ranks = 1, ranks_here = 1;
   MPI_Comm_size(comm, &ranks);
   MPI_Comm here;
   MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
   MPI_Comm_size(here, &ranks_here);
   MPI_Comm_free(&here);
-  const double cells = product(s.fine), needed = bytes_needed(s, bricks), of_a_rank = needed / ranks;
+  const double cells = product(s.fine), needed = bytes_needed(s, bricks, bodies), of_a_rank = needed / ranks;
   // Of this rank: what is free for it, as its machine's ranks take all the same.
   const double mine = std::min(bytes_free() / ranks_here, free_in_process());
   double least = mine;

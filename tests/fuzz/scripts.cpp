@@ -256,7 +256,7 @@ Verdict try_script(Dice& dice) {
   words.insert(words.end(), fix.begin(), fix.end());
   const double cells = double(script.settings.fine[0]) * script.settings.fine[1] * script.settings.fine[2];
   const double most_cells = 2147483647;
-  v = tried([&] { check_memory(MPI_COMM_SELF, script.settings, {1, 1, 1}, most_cells); }, words);
+  v = tried([&] { check_memory(MPI_COMM_SELF, script.settings, {1, 1, 1}, most_cells, script.bodies.size()); }, words);
   if (!v.accepted || cells > 1e5) return v;
   FineGrid grid;
   v = tried(
