@@ -64,7 +64,7 @@ def seconds(executable, across=42, along=60, steps=300, rounds=7):
     ratios = []
     for _ in range(rounds):
         cost = []
-        for vessel in (True,):
+        for vessel in (False, True):
             data, text = scene(2, across, along, vessel, steps)
             log = Run(executable, text, files={"particles.data": data}).output
             share = float(re.search(r"fluid ([\d.]+) %", log[log.index("shares of CPU time"):]).group(1)) / 100
