@@ -38,6 +38,7 @@ BodyForces::BodyForces(const FluidDomain& domain, const CutLinks* cut) : domain_
                          p.body,
                          p.component,
                          p.conductance / open->theta_f()[p.component].data()[m],
+                         domain.measures.open_share_above(p.component, p.face[0], p.face[1], p.face[2]),
                          {p.point[0] - centre[0], p.point[1] - centre[1], p.point[2] - centre[2]}});
   }
   list_cells(*open);
@@ -137,11 +138,14 @@ void BodyForces::begin() {
 }
 
 void BodyForces::add(double share, const FluidState& state, const Property& mu, const Lost& convection,
-                     const Lost& stress, const Lost& drag) {
+                     const Lost& stress, const Lost& drag, const Lost& pull) {
   const double* cell_mu = mu.varies() ? mu.field().data() : nullptr;
   for (const Piece& p : pieces_) {
-    const double viscosity =
-        cell_mu ? 0.5 * (cell_mu[p.face] + cell_mu[p.face - state.p.stride(p.component)]) : mu.number;
+    double viscosity = mu.number;
+    if (cell_mu) {
+      const double below = cell_mu[p.face - state.p.stride(p.component)];
+      viscosity = below + p.above * (cell_mu[p.face] - below);
+    }
     const double F =
         share * viscosity * p.conductance * state.i_f[p.component].data()[p.face] * state.u[p.component].data()[p.face];
     BodyForce& f = force_[p.body];
@@ -160,6 +164,7 @@ void BodyForces::add(double share, const FluidState& state, const Property& mu, 
     for (std::size_t q = 0; q < drag[c].size(); ++q)
       force_[convection_to_[c][q]].convection[c] +=
           share * drag[c][q] * state.i_f[c].data()[faces[q]] * volume_[c][q] * state.u[c].data()[faces[q]];
+    for (std::size_t q = 0; q < pull[c].size(); ++q) force_[convection_to_[c][q]].friction[c] -= share * pull[c][q];
     for (std::size_t q = 0; q < stress[c].size(); ++q) force_[stress_to_[c][q]].friction[c] += share * stress[c][q];
   }
 }

@@ -44,9 +44,9 @@ class BodyForces {
   using Lost = std::array<std::vector<double>, 3>;
   /// Adds a step's share of the interval: the state is the step's, its p what the fluid felt; convection: to the faces of
   /// OpenShares::without_convection; stress: what those of CutLinks::faces go without; drag: the former's coefficients,
-  /// per inertia share (kg/(m3 s)).
+  /// per inertia share (kg/(m3 s)); pull: what drags these along against friction and drag.
   void add(double share, const FluidState& state, const Property& mu, const Lost& convection, const Lost& stress,
-           const Lost& drag);
+           const Lost& drag, const Lost& pull);
   /// Sums over ranks. Collective.
   void end();
   /// Means over the last interval, the same on all ranks.
@@ -59,6 +59,7 @@ class BodyForces {
     std::ptrdiff_t face;
     int body, component;
     double conductance;  // over theta_f (m)
+    double above;        // share of the upper cell in its viscosity
     Vec3 arm;            // from the body's centre (m)
   };
   struct Pressed {

@@ -68,6 +68,13 @@ double WallLinks::aperture(int c, const Int3& face, int d, bool up) const {
   return sum;
 }
 
+/// Between the centres of a face and of the next one of its component, m; beyond a side of the domain that of its image.
+double WallLinks::way(int c, const Int3& face, int d, bool up) const {
+  const int next = up ? face[d] + 1 : face[d] - 1;
+  if (d == c) return grid_.width(d, up ? face[d] : next);
+  return 0.5 * (grid_.width(d, face[d]) + grid_.width(d, grid_.inside(d, next) ? next : face[d]));
+}
+
 void WallLinks::add(std::vector<WallPiece>& pieces, int body, int c, const Int3& face, double conductance,
                     const Vec3& point) const {
   if (body < 0 || surfaces_.bodies()[body].slip || !(conductance > 0)) return;
@@ -75,7 +82,7 @@ void WallLinks::add(std::vector<WallPiece>& pieces, int body, int c, const Int3&
 }
 
 /// One link of a fluid face: the same way is looked along from the low end to the high one, whichever face asks.
-void WallLinks::link(int c, const Int3& face, int d, bool up, unsigned char& bits,
+void WallLinks::link(int c, const Int3& face, int d, bool up, double centre, unsigned char& bits,
                      std::vector<WallPiece>& pieces) const {
   const LocalGrid& g = grid_;
   const unsigned char bit = static_cast<unsigned char>(1u << (2 * d + int(up)));
@@ -88,14 +95,7 @@ void WallLinks::link(int c, const Int3& face, int d, bool up, unsigned char& bit
   if (d != c && !g.solved[d] && at_side) return;
   // The way between the two centres, or to the side of the domain.
   const Vec3 here = g.face_centre(c, face);
-  double length, whole;  // m; whole: of the link as the grid has it
-  if (d == c) {
-    length = whole = g.width(d, low[d]);
-  } else if (at_side) {
-    whole = g.width(d, face[d]), length = 0.5 * whole;
-  } else {
-    length = whole = 0.5 * (g.width(d, low[d]) + g.width(d, high[d]));
-  }
+  const double whole = way(c, face, d, up), length = at_side ? 0.5 * whole : whole;  // m; whole: as the grid has it
   const Node next =
       at_side ? Node::kFluid : node_[c](up ? high[0] : low[0], up ? high[1] : low[1], up ? high[2] : low[2]);
   const bool near = is_cut(c, low) || (!at_side && is_cut(c, high)) || (at_side && is_cut(c, face));
@@ -115,42 +115,121 @@ void WallLinks::link(int c, const Int3& face, int d, bool up, unsigned char& bit
     share = from_here.share;
   else if (from_there.body >= 0)
     share = 1 - from_there.share;
-  const double way = std::max(share * length, kLeast * whole);
+  const double reach = std::max(share * length, kLeast * centre * whole);
   Vec3 point = here;
   point[d] += up ? share * length : -share * length;
   int body = from_here.body >= 0 ? from_here.body : from_there.body;
   if (body < 0) body = surfaces_.nearest(point, 2 * whole).body;
-  add(pieces, body, c, face, aperture(c, face, d, up) / way, point);
+  if (reach > 0) add(pieces, body, c, face, centre * aperture(c, face, d, up) / reach, point);
 }
 
-/// The walls in the two halves of the face's momentum volume.
-void WallLinks::own_wall(int c, const Int3& face, Node node, std::vector<WallPiece>& pieces) const {
+Surfaces::Foot WallLinks::wall_near(int c, const Int3& face) const {
   const LocalGrid& g = grid_;
-  double area = 0, reach = 0, least = 1e300;
+  double reach = 0, least = 1e300;
   for (int below = 0; below < 2; ++below) {
     Int3 cell = face;
     cell[c] -= below;
     if (!g.inside(c, cell[c])) continue;
-    area += 0.5 * wall_size(cell);
     for (int d = 0; d < 3; ++d) reach += g.width(d, cell[d]), least = std::min(least, g.width(d, cell[d]));
   }
-  if (!(area > 0)) return;
   Vec3 x = g.face_centre(c, face);
-  if (node == Node::kSliver) {
-    const auto open = faces_.open(c, face);
-    for (int m = 0; m < 2; ++m) {
-      const int e = (c + 1 + m) % 3;
-      x[e] = g.node(e, face[e]) + open.centroid[m] * g.width(e, face[e]);
-    }
+  const auto open = faces_.open(c, face);
+  for (int m = 0; m < 2 && open.share < 1; ++m) {
+    const int e = (c + 1 + m) % 3;
+    x[e] = g.node(e, face[e]) + open.centroid[m] * g.width(e, face[e]);
   }
-  const Surfaces::Foot foot = surfaces_.nearest(x, reach);
-  add(pieces, foot.body, c, face, area / std::max(foot.distance, kLeast * least), foot.point);
+  Surfaces::Foot foot = surfaces_.nearest(x, reach);
+  foot.distance = std::max(foot.distance, kLeast * least);
+  return foot;
+}
+
+/// Velocity at the face's centre over that of its open part.
+double WallLinks::centre(int c, const Int3& face) const {
+  if (!is_cut(c, face) || !(faces_.open(c, face).share < 1)) return 1;
+  const Surfaces::Foot wall = wall_near(c, face);
+  if (wall.body < 0 || surfaces_.bodies()[wall.body].slip) return 1;
+  return std::min(surfaces_.nearest(grid_.face_centre(c, face), wall.distance).distance / wall.distance, 1.0);
+}
+
+/// The face's open volume over that for which its links and friction give the second derivative across the wall.
+/// bits: the links it has.
+double WallLinks::viscous(int c, const Int3& face, unsigned char bits) const {
+  const LocalGrid& g = grid_;
+  if (bits == OpenSpace::kAllLinks && !is_cut(c, face)) return 1;
+  const Surfaces::Foot wall = wall_near(c, face);
+  if (wall.body < 0 || surfaces_.bodies()[wall.body].slip) return 1;
+  double volume = 0, area = 0;
+  Vec3 normal{0, 0, 0};
+  for (int below = 0; below < 2; ++below) {
+    Int3 cell = face;
+    cell[c] -= below;
+    if (!g.inside(c, cell[c])) continue;
+    volume += 0.5 * theta_(cell[0], cell[1], cell[2]) * g.volume(cell);
+    area += 0.5 * wall_size(cell);
+    const Vec3 a = wall_area(cell);
+    for (int d = 0; d < 3; ++d) normal[d] += a[d];
+  }
+  const Vec3 x = g.face_centre(c, face);
+  const Surfaces::Foot foot = surfaces_.nearest(x, 2 * wall.distance);
+  if (foot.body < 0) return 1;
+  if (!(area > 0))
+    for (int d = 0; d < 3; ++d) normal[d] = x[d] - foot.point[d];
+  const double size = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+  if (!(size > 0)) return 1;
+  double bent = area * foot.distance;
+  for (int d = 0; d < 3; ++d)
+    for (bool up : {false, true}) {
+      if (d == c && !g.inside(d, up ? face[d] : face[d] - 1)) continue;
+      const double slope = std::abs(normal[d]) / size, a = aperture(c, face, d, up);
+      if (bits >> (2 * d + int(up)) & 1)
+        bent += a * way(c, face, d, up) * slope * slope;
+      else
+        bent += a * foot.distance * slope;
+    }
+  return std::min(std::max(2 * volume / bent, kLeastViscous), kMostViscous);
+}
+
+/// What it would have in shear along the wall, of each fluid face beside it: by their distances from the wall.
+Sliver WallLinks::sliver(int c, const Int3& face) const {
+  Sliver s{c, face, {0, 0, 0, 0, 0, 0}};
+  const Surfaces::Foot wall = wall_near(c, face);
+  if (wall.body < 0) return s;
+  const bool slip = surfaces_.bodies()[wall.body].slip;
+  double sum = 0;
+  for (int d = 0; d < 3; ++d)
+    for (bool up : {false, true}) {
+      Int3 next = face;
+      next[d] += up ? 1 : -1;
+      const bool there = d == c ? grid_.inside(d, up ? face[d] : next[d]) : grid_.inside(d, next[d]);
+      if (!there || node_[c](next[0], next[1], next[2]) != Node::kFluid) continue;
+      const Surfaces::Foot far = wall_near(c, next);
+      if (far.body < 0) continue;
+      const double weight = aperture(c, face, d, up) * far.distance;
+      sum += weight;
+      s.share[2 * d + int(up)] = weight * (slip ? 1.0 : std::min(wall.distance / far.distance, 1.0));
+    }
+  for (double& w : s.share) w = sum > 0 ? w / sum : 0;
+  return s;
+}
+
+/// The walls in the two halves of the face's momentum volume.
+void WallLinks::own_wall(int c, const Int3& face, std::vector<WallPiece>& pieces) const {
+  double area = 0;
+  for (int below = 0; below < 2; ++below) {
+    Int3 cell = face;
+    cell[c] -= below;
+    if (grid_.inside(c, cell[c])) area += 0.5 * wall_size(cell);
+  }
+  if (!(area > 0)) return;
+  const Surfaces::Foot wall = wall_near(c, face);
+  add(pieces, wall.body, c, face, area / wall.distance, wall.point);
 }
 
 void WallLinks::fill(OpenSpace& space) const {
   const LocalGrid& g = grid_;
   for (int c = 0; c < 3; ++c) {
     space.links[c].reset(g.own_faces[c], OpenSpace::kAllLinks);
+    space.centre[c].reset(g.own_faces[c], 1.0), space.viscous[c].reset(g.own_faces[c], 1.0);
     for_each(g.own_faces[c], [&](int i, int j, int k) {
       const Int3 face{i, j, k};
       unsigned char& bits = space.links[c](i, j, k);
@@ -161,11 +240,17 @@ void WallLinks::fill(OpenSpace& space) const {
       }
       if (node == Node::kSliver) {
         bits = OpenSpace::kSliver;
+        space.slivers.push_back(sliver(c, face));
+        own_wall(c, face, space.pieces);
       } else {
+        const double at_centre = space.centre[c](i, j, k) = centre(c, face);
+        const std::size_t first = space.pieces.size();
         for (int d = 0; d < 3; ++d)
-          for (bool up : {false, true}) link(c, face, d, up, bits, space.pieces);
+          for (bool up : {false, true}) link(c, face, d, up, at_centre, bits, space.pieces);
+        own_wall(c, face, space.pieces);
+        const double factor = space.viscous[c](i, j, k) = viscous(c, face, bits);
+        for (std::size_t q = first; q < space.pieces.size(); ++q) space.pieces[q].conductance *= factor;
       }
-      own_wall(c, face, node, space.pieces);
     });
   }
   for_each(g.own, [&](int i, int j, int k) {

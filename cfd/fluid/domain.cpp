@@ -43,9 +43,9 @@ void FluidDomain::make_open_shares() {
   CellField<FineGrid>& theta = held.theta;
   theta.reset(local, 1.0);
   // Alike on all ranks, also where a rank has no cells.
-  int has[3] = {!space.pieces.empty() || space.friction[0].size() > 0, space.links[0].size() > 0,
-                !space.pieces.empty()};
-  MPI_Allreduce(MPI_IN_PLACE, has, 3, MPI_INT, MPI_MAX, comm);
+  int has[4] = {!space.pieces.empty() || space.friction[0].size() > 0, space.links[0].size() > 0, !space.pieces.empty(),
+                space.centre[0].size() > 0};
+  MPI_Allreduce(MPI_IN_PLACE, has, 4, MPI_INT, MPI_MAX, comm);
   double bad[2] = {0, 0}, open = 0;  // shares that are none, frictions that are none
   for (int d = 0; d < 3; ++d) {
     alpha[d].reset(local, 1.0), theta_f[d].reset(local, 1.0);
@@ -65,6 +65,14 @@ void FluidDomain::make_open_shares() {
   extend_faces(theta_f);
   if (has[0]) add_up_friction(space, has[2], held);
   if (has[1]) bring_links(space, held);
+  for (int d = 0; has[3] && d < 3; ++d) {
+    held.centre[d].reset(local, 1.0), held.viscous[d].reset(local, 1.0);
+    for_each(faces[d], [&](int i, int j, int k) {
+      held.centre[d](i, j, k) = space.centre[d](i, j, k);
+      held.viscous[d](i, j, k) = space.viscous[d](i, j, k);
+    });
+  }
+  if (has[3]) extend_faces(held.centre);
   for (int d = 0; d < 3; ++d)
     for_each(faces[d], [&](int i, int j, int k) {
       const bool open = alpha[d](i, j, k) > 0;
@@ -104,6 +112,7 @@ void FluidDomain::make_open_shares() {
     }
   if (!(sums[4] > 0))
     throw std::invalid_argument("the bodies leave no room for the fluid; wanted: some open cells in its domain");
+  held.slivers = std::move(space.slivers);
   held.pieces = std::move(space.pieces), held.surface = std::move(space.surface);
   held.volume = sums[4];
   measures.set_open(std::make_unique<const OpenShares>(measures, local, own, faces, solved, std::move(held)));

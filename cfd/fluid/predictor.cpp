@@ -1,5 +1,6 @@
 #include "cfd/fluid/predictor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -38,6 +39,19 @@ Predictor::Predictor(FluidDomain& domain, const FluidSettings& settings)
       if (list.size() < faces.size() && faces[list.size()] == open->theta().index(i, j, k))
         list.push_back(1 / domain.measures.axis(d).face_width(Int3{i, j, k}[d]));
     });
+  if (!open) return;
+  for (const Sliver& s : open->slivers()) {
+    const int d = s.component;
+    const std::vector<std::ptrdiff_t>& faces = open->without_convection(d);
+    const std::ptrdiff_t m = open->theta().index(s.face[0], s.face[1], s.face[2]);
+    const auto place = std::lower_bound(faces.begin(), faces.end(), m);
+    if (place == faces.end() || *place != m || domain.boundaries.state(d).data()[m] != FaceState::kSolved) continue;
+    slivers_[d].push_back(
+        {int(place - faces.begin()), s.face, domain.measures.volume(d, s.face[0], s.face[1], s.face[2]), {}});
+    for (int q = 0; q < 6; ++q)
+      if (s.share[q] > 0)
+        slivers_[d].back().of.push_back({m + (q % 2 ? 1 : -1) * open->theta().stride(q / 2), s.share[q]});
+  }
 }
 
 Predictor::~Predictor() = default;
@@ -133,15 +147,19 @@ void Predictor::set_wall_friction(const Property& mu, const FaceField<FineGrid>&
     const auto set = [&](const auto& mu_at) {
       for_each(domain_.faces[d], [&](int i, int j, int k) {
         const std::ptrdiff_t m = friction_[d].index(i, j, k);
-        friction_[d].data()[m] = mu_at(m) * open->friction()[d].data()[m];
+        const double share = open->friction()[d].data()[m];
+        friction_[d].data()[m] = share > 0 ? mu_at(i, j, k) * share : 0.0;
       });
     };
     if (mu.varies()) {
       const double* cell = mu.field().data();
       const std::ptrdiff_t s = friction_[d].stride(d);
-      set([=](std::ptrdiff_t m) { return 0.5 * (cell[m] + cell[m - s]); });
+      set([&](int i, int j, int k) {
+        const std::ptrdiff_t m = friction_[d].index(i, j, k);
+        return cell[m - s] + domain_.measures.open_share_above(d, i, j, k) * (cell[m] - cell[m - s]);
+      });
     } else {
-      set([number = mu.number](std::ptrdiff_t) { return number; });
+      set([number = mu.number](int, int, int) { return number; });
     }
   }
   for (int d = 0; d < 3; ++d) {
@@ -164,6 +182,26 @@ void Predictor::lose_convection(FaceField<FineGrid>& rhs) {
     const std::vector<std::ptrdiff_t>& faces = domain_.measures.open()->without_convection(d);
     lost_convection_[d].resize(faces.size());
     for (std::size_t q = 0; q < faces.size(); ++q) lost_convection_[d][q] = std::exchange(rhs[d].data()[faces[q]], 0.0);
+  }
+}
+
+/// The friction of slivers is against what they would have in shear along the wall, by the faces beside them.
+void Predictor::drag_slivers_along(const FluidState& state, const Interphase& exchange, FaceField<FineGrid>& u_next) {
+  const OpenShares* open = domain_.measures.open();
+  if (!open || !open->has_links()) return;
+  domain_.fill(u_next);
+  for (int d = 0; d < 3; ++d) {
+    sliver_pull_[d].assign(open->without_convection(d).size(), 0.0);
+    for (const Following& s : slivers_[d]) {
+      const std::ptrdiff_t m = open->without_convection(d)[s.place];
+      double along = 0, A, made;
+      for (const auto& other : s.of) along += other.second * u_next[d].data()[other.first];
+      inertia_.row(d, m, state.inertia_share()[d].data() + m,
+                   exchange.beta_row(d, s.face[0], s.face[1], s.face[2], 1, &made), 1, &A);
+      const double force = friction_[d].data()[m] * state.inertia_share()[d].data()[m] * along;
+      u_next[d].data()[m] += force / A;
+      sliver_pull_[d][s.place] = force * s.volume;
+    }
   }
 }
 
@@ -204,6 +242,7 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
       viscous_.cut()->left_out(mu, state.eps[0], u_next, lost_stress_);
     }
   }
+  drag_slivers_along(state, exchange, u_next);
   return inertia_;
 }
 

@@ -38,10 +38,13 @@ class Predictor {
   const std::array<std::vector<double>, 3>& lost_stress() const { return lost_stress_; }
   /// Of the faces of OpenShares::without_convection: drag for want of convection (kg/(m3 s), per inertia share).
   const std::array<std::vector<double>, 3>& sliver_drag() const { return sliver_drag_; }
+  /// Of the same faces: what drags them along against friction, N.
+  const std::array<std::vector<double>, 3>& sliver_pull() const { return sliver_pull_; }
 
  private:
   void set_wall_friction(const Property& mu, const FaceField<FineGrid>& u_tilde);
   void lose_convection(FaceField<FineGrid>& rhs);
+  void drag_slivers_along(const FluidState& state, const Interphase& exchange, FaceField<FineGrid>& u_next);
   void measure_inlet_head(const FluidState& state, const FaceField<FineGrid>& u_tilde);
   void predict_rows(const FluidState& state, const Step& step, const Interphase& exchange, FaceField<FineGrid>& rhs,
                     FaceField<FineGrid>& u_next);
@@ -55,9 +58,16 @@ class Predictor {
   ViscousTerm viscous_;
   Inertia inertia_;
   double inlet_head_ = 0;
-  std::array<std::vector<double>, 3> lost_convection_, lost_stress_, sliver_drag_;
+  std::array<std::vector<double>, 3> lost_convection_, lost_stress_, sliver_drag_, sliver_pull_;
   std::array<std::vector<double>, 3> sliver_inverse_width_;  // of the same faces (1/m)
-  FaceField<FineGrid> friction_;                             // mu K' and slivers' drag, only where bodies are
+  struct Following {
+    int place;  // in the list of faces that take no part in convection
+    Int3 face;
+    double volume;
+    std::vector<std::pair<std::ptrdiff_t, double>> of;  // shares of other faces' velocities
+  };
+  std::array<std::vector<Following>, 3> slivers_;
+  FaceField<FineGrid> friction_;  // mu K' and slivers' drag, only where bodies are
   std::vector<double> row_inertia_, row_made_;
   // Implicit viscosity; made when first needed.
   std::unique_ptr<ViscousSolver> viscous_solver_;

@@ -62,6 +62,15 @@ class GridMeasures {
     const double whole = volume(c, i, j, k);
     return open_ ? whole * open_->theta_f()[c](i, j, k) : whole;
   }
+  /// Share of the upper cell in what is open of a face's volume.
+  double open_share_above(int c, int i, int j, int k) const {
+    const double above = axis_[c].above_share_[Int3{i, j, k}[c] - axis_[c].lo];
+    if (!open_) return above;
+    const CellField<FineGrid>& theta = open_->theta();
+    const std::ptrdiff_t m = theta.index(i, j, k);
+    const double high = above * theta.data()[m], low = (1 - above) * theta.data()[m - theta.stride(c)];
+    return high + low > 0 ? high / (high + low) : above;
+  }
   /// eps on faces: volume-weighted arithmetic mean of the two cells, so that sums over cells and faces agree.
   void face_mean(const CellField<FineGrid>& eps, FaceField<FineGrid>& eps_f) const;
   /// The same for one own face of direction c.

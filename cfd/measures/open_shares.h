@@ -13,6 +13,7 @@
 
 #include <array>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "cfd/grid/field.h"
@@ -39,6 +40,15 @@ struct WallCell {
   Vec3 point{0, 0, 0};  ///< on the surface (m)
 };
 
+/// A sliver, and what its fluid follows: the faces around it that are no slivers.
+struct Sliver {
+  int component = 0;
+  Int3 face{0, 0, 0};  ///< own
+  /// Shares of the velocities of the next faces of its component, low and high in x, y, z: together what it would have
+  /// in shear along the wall.
+  std::array<double, 6> share{0, 0, 0, 0, 0, 0};
+};
+
 /// The shares as they are given.
 struct OpenSpace {
   FaceField<FineGrid> alpha;  ///< open share of the area of own faces, 0 to 1
@@ -51,6 +61,13 @@ struct OpenSpace {
   /// flows by pressure and wall friction alone. Of size 0: all open faces are linked, those beside closed ones not.
   std::array<Array3<unsigned char>, 3> links;
   static constexpr unsigned char kAllLinks = 63, kSliver = 64;
+  /// Velocity at the centre of own faces over that of their open part, 0 to 1: beside a wall that holds the fluid, the
+  /// distances of the two from it are so. Of size 0: 1.
+  FaceField<FineGrid> centre;
+  /// Factor of the viscous forces on own faces beside walls, of which K' has it already: the open volume over the one
+  /// that gives the force per volume exactly for a parabola, too. Of size 0: 1.
+  FaceField<FineGrid> viscous;
+  std::vector<Sliver> slivers;
   std::vector<WallPiece> pieces;  ///< friction from which K' is made: K' theta_f V_f = sum of conductances
   std::vector<WallCell> surface;
 };
@@ -68,6 +85,8 @@ class OpenShares {
     FaceField<FineGrid> friction;                    // of size 0 where there is none
     std::array<Array3<unsigned char>, 3> links;      // as OpenSpace's; beyond the domain's sides all; of size 0: none
     std::array<std::vector<std::ptrdiff_t>, 3> own;  // memory indices of own faces that are closed or slivers
+    FaceField<FineGrid> centre, viscous;             // of size 0: 1
+    std::vector<Sliver> slivers;
     std::vector<WallPiece> pieces;
     std::vector<WallCell> surface;
     double volume = 0;  // of the whole domain's open part (m3)
@@ -97,6 +116,10 @@ class OpenShares {
   bool sliver(int c, std::ptrdiff_t m) const { return links_[c].data()[m] & OpenSpace::kSliver; }
   /// Memory indices of own faces that take no part in convection: slivers, and closed ones.
   const std::vector<std::ptrdiff_t>& without_convection(int c) const { return without_convection_[c]; }
+  /// OpenSpace's, by memory index. Looked up in a list.
+  double centre(int c, std::ptrdiff_t m) const { return looked_up(centre_[c], m); }
+  double viscous(int c, std::ptrdiff_t m) const { return looked_up(viscous_[c], m); }
+  const std::vector<Sliver>& slivers() const { return slivers_; }
   const std::vector<WallPiece>& pieces() const { return pieces_; }
   const std::vector<WallCell>& surface() const { return surface_; }
   bool has_friction() const { return friction_[0].size() > 0; }
@@ -117,6 +140,9 @@ class OpenShares {
   void flux_share(FaceField<FineGrid>& i_f, FaceField<FineGrid>& phi_f) const;
 
  private:
+  using Exceptions = std::vector<std::pair<std::ptrdiff_t, double>>;  // where a number is not 1, by memory index
+  static Exceptions exceptions(const Array3<double>& field);
+  static double looked_up(const Exceptions& list, std::ptrdiff_t m);
   double theta_around(const GridMeasures& measures, int t, const Int3& x) const;
   void set_edges(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha);
   void set_uncut(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved,
@@ -133,6 +159,8 @@ class OpenShares {
   };
   std::array<std::vector<Run>, 3> closed_runs_;     // the same faces
   std::array<std::vector<double>, 3> open_beside_;  // of closed faces: 1/theta_f, 0 where no open cell is beside
+  std::array<Exceptions, 3> centre_, viscous_;
+  std::vector<Sliver> slivers_;
   std::vector<WallPiece> pieces_;
   std::vector<WallCell> surface_;
   double volume_;

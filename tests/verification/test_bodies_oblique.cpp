@@ -1,0 +1,168 @@
+// Flows along ducts at an angle to the grid: against parallel flow's formulas, with friction at the walls and without.
+// Without these, walls that hold the fluid back more at one angle than at another, fluid that slivers brake, or momentum
+// that convection loses to walls would pass.
+#include <gtest/gtest.h>
+
+#include "cfd/grid/pi.h"
+#include "tests/verification/bodies.h"
+
+using namespace twogrid;
+
+namespace {
+
+/// Between two parallel planes |s| < half, s = x sin - y cos (d: directions of x and y), and all images of them a period
+/// apart.
+class ObliqueDucts : public SolidShape {
+ public:
+  ObliqueDucts(int x, int y, double sine, double cosine, double period, double centre, double half)
+      : normal_{0, 0, 0}, period_(period), centre_(centre), half_(half) {
+    normal_[x] = sine, normal_[y] = -cosine;
+  }
+  double first_crossing(const Vec3& x, int d, double length) const override {
+    const double s = height(x), change = normal_[d] * length;
+    double first = kNone;
+    for (int image = -3; image <= 3; ++image)
+      for (double wall : {-half_, half_}) {
+        const double share = (wall + image * period_ - s) / change;
+        if (share >= 0 && share <= 1) first = std::min(first, share);
+      }
+    return first;
+  }
+  double distance(const Vec3& x, double, Vec3& nearest) const override {
+    const double s = height(x), out = (s > 0 ? 1 : -1) * (half_ - std::abs(s));
+    for (int d = 0; d < 3; ++d) nearest[d] = x[d] + out * normal_[d];
+    return std::abs(out);
+  }
+  Side side(const Vec3& x) const override { return std::abs(height(x)) < half_ ? Side::kFluid : Side::kSolid; }
+
+ private:
+  double height(const Vec3& x) const {
+    const double s = normal_[0] * x[0] + normal_[1] * x[1] + normal_[2] * x[2] - centre_;
+    return s - period_ * std::round(s / period_);
+  }
+
+  Vec3 normal_;
+  double period_, centre_, half_;
+};
+
+/// Periodic in the duct's plane, one cell deep across it; N cells to a period.
+struct Duct {
+  static constexpr double half = 0.3;  // of a period of 1
+  int thin, x, y, N;
+  double sine, cosine;
+  FluidSettings s;
+
+  Duct(int thin_, int N_, double degrees, int salt)
+      : thin(thin_),
+        x((thin_ + 1) % 3),
+        y((thin_ + 2) % 3),
+        N(N_),
+        sine(std::sin(degrees * kPi / 180)),
+        cosine(std::cos(degrees * kPi / 180)),
+        s(creeping(10)) {
+    s.pressure_gradient[x] = -cosine, s.pressure_gradient[y] = -sine;
+    s.bodies = {body(std::make_shared<ObliqueDucts>(x, y, sine, cosine, 1.0, random_number(salt) / N, half), "duct")};
+    for (int d : {x, y}) s.side[2 * d].clear(), s.side[2 * d + 1].clear();
+  }
+  CfdBox box() const {
+    std::array<std::vector<double>, 3> nodes;
+    std::array<bool, 3> periodic{true, true, true};
+    periodic[thin] = false;
+    nodes[thin] = uniform(0, 1.0 / N, 1);
+    nodes[x] = uniform(0, 1 / sine, int(std::lround(N / sine)));
+    nodes[y] = uniform(0, 1 / cosine, int(std::lround(N / cosine)));
+    return CfdBox(nodes, periodic, s);
+  }
+};
+
+/// Error of the flow rate of Poiseuille flow; density 0: creeping.
+double oblique_duct(int thin, int N, double degrees, int salt, double density = 0,
+                    Convection scheme = Convection::kCentral) {
+  Duct duct(thin, N, degrees, salt);
+  const int x = duct.x, y = duct.y;
+  const double half = duct.half, sine = duct.sine, cosine = duct.cosine;
+  if (density > 0) {
+    duct.s.density = density;
+    duct.s.convection = scheme;
+    duct.s.dt = 0, duct.s.cfl = 0.6;
+  }
+  CfdBox box = duct.box();
+  const int steps =
+      until_steady(box, x, density > 0 ? 0.1 * density : 10, density > 0 ? 1e-5 : 1e-6, density > 0 ? 12 : 60);
+  EXPECT_GT(steps, 0);
+  const double U = 2.0 / 3 * half * half * half, error = std::hypot(superficial(box, x), superficial(box, y)) / U - 1,
+               across = superficial(box, x) * sine - superficial(box, y) * cosine;
+  report("duct across %d at %.1f degrees, %.1f cells across, density %g: flow %+.3f %%, across it %.1e, %d steps\n",
+         thin, degrees, 2 * half * N, density, 100 * error, across / U, steps);
+  EXPECT_LT(std::abs(across), 1e-5 * U);
+  return error;
+}
+
+/// Root mean square of the errors in some places of the grid.
+double scatter(int thin, int N, double degrees, int places) {
+  double sum = 0;
+  for (int salt = 0; salt < places; ++salt) {
+    const double error = oblique_duct(thin, N, degrees, 10 * salt + thin);
+    sum += error * error;
+  }
+  return std::sqrt(sum / places);
+}
+
+}  // namespace
+
+TEST(BodiesAtAnAngle, DuctsAreOfSecondOrder) {
+  for (double degrees : {45.0, 30.0, 20.0})
+    for (int thin : {0, 1, 2}) {
+      const double coarse = scatter(thin, 12, degrees, 5), fine = scatter(thin, 24, degrees, 5),
+                   order = std::log2(coarse / fine);
+      report("duct at %.0f degrees across %d: %.3f %%, %.3f %%, order %.2f\n", degrees, thin, 100 * coarse, 100 * fine,
+             order);
+      EXPECT_GT(order, 1.8);
+      EXPECT_LT(fine, 0.005);
+    }
+}
+
+/// Convection leaves parallel flow as it is (Reynolds number 80 by the mean velocity and the duct's width).
+TEST(BodiesAtAnAngle, ConvectionInADuct) {
+  for (double degrees : {45.0, 30.0})
+    for (int N : {12, 24})
+      for (Convection scheme : {Convection::kCentral, Convection::kVanLeer}) {
+        const double still = oblique_duct(2, N, degrees, 2), fast = oblique_duct(2, N, degrees, 2, 3000, scheme);
+        report("convection %d at %.0f degrees, %.1f cells across: loses %.3f %%\n", int(scheme), degrees, 0.6 * N,
+               100 * (still - fast));
+        EXPECT_NEAR(fast, still, scheme == Convection::kCentral ? 2e-3 : 0.1);
+      }
+}
+
+/// A plug along slip walls goes on as it is: nothing rubs, nothing holds slivers back.
+TEST(BodiesAtAnAngle, PlugAlongSlipWalls) {
+  for (double degrees : {45.0, 30.0})
+    for (Convection scheme : {Convection::kVanLeer, Convection::kCentral})
+      for (Choice implicit : {Choice::kOff, Choice::kOn}) {
+        Duct duct(2, 16, degrees, 3);
+        const Vec3 U{duct.cosine, duct.sine, 0};
+        FluidSettings& s = duct.s;
+        s.viscosity = 1e-3, s.convection = scheme, s.implicit_viscosity = implicit;
+        s.dt = 0.01, s.pressure_rtol = 1e-12;
+        s.pressure_gradient = {0, 0, 0};
+        s.initial_velocity = U;
+        s.bodies[0].slip = true;
+        CfdBox box = duct.box();
+        for (int n = 0; n < 100; ++n) box.step(s.dt);
+        double apart = 0, mean[2] = {0, 0};
+        for (int d : {0, 1})
+          for_each(box.faces(d), [&](int i, int j, int k) {
+            if (box.fluid->face_state(d)(i, j, k) != FaceState::kSolved) return;
+            const double change = box.fluid->velocity()[d](i, j, k) - U[d],
+                         V = box.fluid->measures().open_volume(d, i, j, k);
+            apart = std::max(apart, std::abs(change)), mean[0] += change * U[d] * V, mean[1] += U[d] * U[d] * V;
+          });
+        const double lost = box.sum(mean[0]) / box.sum(mean[1]);
+        apart = box.largest(apart);
+        const Vec3 force = box.fluid->body_forces()[0].force();
+        report("plug at %.0f degrees, convection %d, implicit %d: lost %.1e, apart %.1e, force %.1e\n", degrees,
+               int(scheme), int(implicit), lost, apart, std::hypot(force[0], force[1]));
+        EXPECT_LT(std::abs(lost), 1e-4);
+        EXPECT_LT(apart, 5e-3);
+      }
+}
