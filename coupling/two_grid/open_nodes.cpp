@@ -10,6 +10,7 @@ namespace {
 
 constexpr long long kNone = 1LL << 40;  // depth of nodes that belong to no family yet
 constexpr long long kDeepest = 2;
+constexpr double kSliver = 0.02;  // of a block's open part: what holds less is no part of its own
 /// Leftovers that are that open may begin a family before the rest joins what there is, however far.
 constexpr double kMayBegin = 0.1;
 
@@ -83,13 +84,24 @@ struct OpenNodes::FineCells {
     seen = 1;
     frontier.push_back(c);
   }
-  /// Connected sets of open cells in b.
-  int sets(const Box& b) {
+  /// Connected sets of open cells in b, one of the rank's own blocks, that hold more than a sliver: a wall that just
+  /// touches the block leaves some of those at its corners.
+  int sets(const Box& b, const CellField<FineGrid>& theta) {
+    const auto marked = [&] {
+      double sum = 0;
+      for_each(b, [&](int i, int j, int k) { sum += reached(i, j, k) ? theta(i, j, k) : 0.0; });
+      return sum;
+    };
+    double all = 0, before = 0;
+    for_each(b, [&](int i, int j, int k) { all += theta(i, j, k); });
     int n = 0;
     for_each(b, [&](int i, int j, int k) {
       mark({i, j, k});
-      n += !frontier.empty();
+      if (frontier.empty()) return;
       flood(b);
+      const double now = marked();
+      n += now - before > kSliver * all;
+      before = now;
     });
     for_each(b, [&](int i, int j, int k) { reached(i, j, k) = 0; });
     return n;
@@ -162,7 +174,7 @@ void OpenNodes::look_around(MPI_Comm comm, const Fluid& fluid, const ParticleGri
             const bool there = cells.cell(other.lo[0], other.lo[1], other.lo[2]) != FineCells::kAbsent;
             if (there && (whole || cells.connected(block, other))) bits += seen(x, y, z);
           }
-      if (!whole) figures_.split += cells.sets(block) > 1;
+      if (!whole) figures_.split += cells.sets(block, fluid.open_shares()->theta()) > 1;
     }
     sight_(I, J, K) = bits;
   });

@@ -13,7 +13,8 @@
 //              within the box that the two span. What a particle gives to a node that its own doesn't see goes to its
 //              own node, and so does that node's weight when it reads.
 //
-// A node whose open cells are not connected within it is split: it smears over the wall in it. Such nodes are counted.
+// A node whose open cells are not connected within it is split: it smears over the wall in it. Such nodes are counted;
+// slivers at a corner, which a wall that touches a node leaves, don't make one.
 #pragma once
 
 #include <mpi.h>
@@ -82,7 +83,7 @@ class OpenNodes {
   struct Figures {
     long long cut = 0, closed = 0;  ///< nodes that are not wholly open; of these, without any open cell
     long long merged = 0;           ///< open, without a value of their own
-    long long split = 0;            ///< open cells not connected within the node
+    long long split = 0;            ///< two or more parts not connected within the node, slivers not counted
     double smallest = 1;            ///< volume of a family over that of its master, whole
   };
   const Figures& figures() const { return figures_; }

@@ -381,7 +381,7 @@ TEST(OpenNodes, FamiliesKeepVolumesAndHaveRoom) {
     }
 }
 
-// A wall inside a node splits it; a slit that ends leaves a way round; diagonal nodes see each other past one closed node,
+// A wall inside a node splits it, but for a sliver at a corner; a slit that ends leaves a way round; diagonal nodes see each other past one closed node,
 // not past two.
 TEST(OpenNodes, SightAndSplitNodes) {
   const auto made = [](int ratio, std::function<bool(const Vec3&)> closed) {
@@ -391,6 +391,16 @@ TEST(OpenNodes, SightAndSplitNodes) {
   };
   const ParticleGrid split = made(4, [](const Vec3& x) { return x[0] > 0.625 && x[0] < 0.875; });
   EXPECT_EQ(split.open_nodes()->figures().split, 2 * 4);
+  // A single cell of 64 that is cut off at a corner is a sliver, a row of four is a part.
+  for (int row : {1, 4}) {
+    const ParticleGrid cornered = made(4, [row](const Vec3& x) {
+      const Int3 c{int(x[0] / 0.125), int(x[1] / 0.125), int(x[2] / 0.125)};
+      const bool along = c[2] > 7 - row && c[2] <= 7;
+      return (along && ((c[0] == 6 && c[1] == 7) || (c[0] == 7 && c[1] == 6))) ||
+             (c[0] == 7 && c[1] == 7 && c[2] == 7 - row);
+    });
+    EXPECT_EQ(cornered.open_nodes()->figures().split, row == 4);
+  }
   const auto sees = [](const ParticleGrid& nodes, const Int3& at, const Int3& offset) {
     const Array3<long long>& sight = nodes.open_nodes()->sight();
     int mine = 0, any = 0;
