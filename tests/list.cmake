@@ -57,6 +57,8 @@ endfunction()
 system_test(bad_input RANKS 1 TIMEOUT 400)
 set_tests_properties(bad_input PROPERTIES RUN_SERIAL ON)  # it has a limit of 5 s a script
 system_test(bodies RANKS 1 2 4)
+system_test(other_vessels RANKS 2)
+system_test(turned_bed RANKS 1)
 system_test(bad_bodies RANKS 1)
 system_test(round_bed_short RANKS 2)
 system_test(spouted_cone_short RANKS 2)

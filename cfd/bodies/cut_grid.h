@@ -12,6 +12,7 @@
 //              fluid face, its own wall:           A_w/phi              of the two faces along its own direction
 //              sliver:                             A_w/(distance of the open part's centroid)
 //              with A_w the mean of the two cells'; eta >= 0.01, distances >= 0.01 h
+// Sheets close whole faces (sheets.h); they have no part in labels.
 // Cleaned: alpha below 1e-3 is closed; cells without an open face are closed; so are pockets that reach no inlet, outlet
 // or point of fluid_at, unless the whole domain is closed.
 #pragma once
@@ -38,6 +39,7 @@ struct CutReport {
   };
   std::vector<OfBody> bodies;
   double open_volume = 0;                                   ///< m3
+  long long sheet_faces = 0;                                ///< closed by sheets
   long long closed_cells = 0, slivers = 0, thin_edges = 0;  ///< thin: edges that are crossed twice or more
   std::string fluid_side;                                   ///< what told which parts of the domain are fluid, in words
   double pocket_volume = 0;                                 ///< closed because nothing leads there (m3)

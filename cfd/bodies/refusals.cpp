@@ -105,12 +105,12 @@ long long refuse_unresolved(const LocalGrid& g, const Surfaces& surfaces, const 
   });
   MPI_Allreduce(MPI_IN_PLACE, met.data(), int(met.size()), MPI_LONG_LONG, MPI_SUM, g.comm);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const std::string why = met[b] > 0 ? "" : why_unmet(g, bodies[b]);
+    const std::string why = met[b] > 0 || bodies[b].sheet ? "" : why_unmet(g, bodies[b]);
     if (!why.empty()) throw std::invalid_argument("body " + quoted(bodies[b]) + " " + why);
   }
   refuse(g, sheet, "parts nothing: there is fluid on both sides of its surface",
-         "wanted: a closed surface, or one that ends at the domain's sides, with the fluid on one side of it (sheets "
-         "without thickness are not possible yet)");
+         "wanted: a closed surface, or one that ends at the domain's sides, with the fluid on one side of it (a mesh "
+         "without thickness in the middle of the fluid: the word 'sheet')");
   refuse(g, thin, "is thinner than a cell, with fluid on both sides,",
          "wanted: finer cells there, two or more across it");
   return met.back();

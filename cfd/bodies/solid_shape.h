@@ -32,6 +32,7 @@ struct Body {
   std::string name;
   std::shared_ptr<const SolidShape> shape;
   bool slip = false;
+  bool sheet = false;  ///< fluid on both sides (sheets.h)
 };
 
 }  // namespace twogrid

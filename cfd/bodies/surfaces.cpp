@@ -6,8 +6,10 @@ namespace twogrid {
 
 using Side = SolidShape::Side;
 
-Surfaces::Surfaces(const FineGrid& grid, const std::vector<Body>& bodies) : bodies_(bodies) {
-  for (std::size_t b = 0; b < bodies.size(); ++b) add_images(grid, int(b));
+Surfaces::Surfaces(const FineGrid& grid, const std::vector<Body>& bodies, Which which)
+    : bodies_(bodies), solid_outside_(bodies.size(), false) {
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (which == Which::kAll || bodies[b].sheet == (which == Which::kSheets)) add_images(grid, int(b));
 }
 
 /// The surface itself, and where it sticks out of a periodic side, what comes in at the other one. A surface that goes
@@ -17,7 +19,6 @@ void Surfaces::add_images(const FineGrid& grid, int body) {
   Image own{&shape, body, {0, 0, 0}, false, {0, 0, 0}, {0, 0, 0}};
   shape.bounds(own.lo, own.hi);
   own.bounded = own.lo[0] <= own.hi[0] && own.lo[1] <= own.hi[1] && own.lo[2] <= own.hi[2];
-  solid_outside_.push_back(false);
   images_.push_back(own);
   if (!own.bounded) return;
   for (int d = 0; d < 3; ++d) {
@@ -40,7 +41,7 @@ void Surfaces::add_images(const FineGrid& grid, int body) {
       outside[d] -= 0.1 * (own.hi[d] - own.lo[d]);
     else
       outside[d] = 0;
-  solid_outside_.back() = shape.side(outside) == Side::kSolid;
+  solid_outside_[body] = shape.side(outside) == Side::kSolid;
 }
 
 Surfaces::Hit Surfaces::first_crossing(const Vec3& x, int d, double length) const {

@@ -1,4 +1,4 @@
-// All bodies' surfaces together, with their images beyond periodic sides.
+// The surfaces of bodies together, with their images beyond periodic sides.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,9 @@ namespace twogrid {
 
 class Surfaces {
  public:
-  /// The bodies must outlive this.
-  Surfaces(const FineGrid& grid, const std::vector<Body>& bodies);
+  enum class Which { kAll, kSolids, kSheets };
+  /// Of all bodies or of some; those keep their places in the list. The bodies must outlive this.
+  Surfaces(const FineGrid& grid, const std::vector<Body>& bodies, Which which = Which::kAll);
 
   /// As SolidShape's, of the body that is met first; body -1: none is.
   struct Hit {

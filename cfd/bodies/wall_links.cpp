@@ -6,10 +6,13 @@
 namespace twogrid {
 
 WallLinks::WallLinks(const LocalGrid& grid, const Surfaces& surfaces, const CutEdges& edges, const CutFaces& faces,
-                     const FaceField<FineGrid>& alpha, const CellField<FineGrid>& theta)
-    : grid_(grid), surfaces_(surfaces), faces_(faces), alpha_(alpha), theta_(theta) {
+                     const FaceField<FineGrid>& alpha, const CellField<FineGrid>& theta,
+                     const Array3<char>& beside_sheets)
+    : grid_(grid), surfaces_(surfaces), faces_(faces), alpha_(alpha), theta_(theta), beside_sheets_(beside_sheets) {
   cut_.reset(grid.cells, 0);
-  for_each(grid.cells, [&](int i, int j, int k) { cut_(i, j, k) = edges.touches({i, j, k}); });
+  for_each(grid.cells, [&](int i, int j, int k) {
+    cut_(i, j, k) = edges.touches({i, j, k}) || beside_sheets(i, j, k);
+  });
   for (int d = 0; d < 3; ++d) {
     node_[d].reset(grid.faces[d], Node::kClosed);
     for_each(grid.faces[d], [&](int i, int j, int k) {
@@ -38,11 +41,12 @@ Vec3 WallLinks::wall_area(const Int3& cell) const {
   return sum;
 }
 
-/// Area of the walls in a cell; walls that lie in its faces count each.
+/// Area of the walls in a cell; walls that lie in its faces count each, steps of a sheet as the slope that they stand for.
 double WallLinks::wall_size(const Int3& cell) const {
   const Vec3 a = wall_area(cell);
   if (a[0] == 0 && a[1] == 0 && a[2] == 0) return 0;
-  if (faces_.aligned(cell)) return std::abs(a[0]) + std::abs(a[1]) + std::abs(a[2]);
+  if (faces_.aligned(cell) && !beside_sheets_(cell[0], cell[1], cell[2]))
+    return std::abs(a[0]) + std::abs(a[1]) + std::abs(a[2]);
   return std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 

@@ -11,9 +11,9 @@ namespace twogrid {
 
 class WallLinks {
  public:
-  /// alpha, theta: cleaned, on the faces and cells of LocalGrid.
+  /// alpha, theta: cleaned, on the faces and cells of LocalGrid; beside_sheets: of its cells. All must outlive this.
   WallLinks(const LocalGrid& grid, const Surfaces& surfaces, const CutEdges& edges, const CutFaces& faces,
-            const FaceField<FineGrid>& alpha, const CellField<FineGrid>& theta);
+            const FaceField<FineGrid>& alpha, const CellField<FineGrid>& theta, const Array3<char>& beside_sheets);
 
   /// Fills links, centre, viscous, slivers, pieces and surface.
   void fill(OpenSpace& space) const;
@@ -46,6 +46,7 @@ class WallLinks {
   const CutFaces& faces_;
   const FaceField<FineGrid>& alpha_;
   const CellField<FineGrid>& theta_;
+  const Array3<char>& beside_sheets_;
   Array3<unsigned char> cut_;
   std::array<Array3<Node>, 3> node_;
 };

@@ -145,7 +145,8 @@ Body mesh_body(LAMMPS& lammps, const BodyNames& names, const std::vector<FixMesh
   add(*print, all.data(), all.size() * sizeof(Triangle));
   if (all.empty())
     refuse(solid_keyword(names), "a mesh without triangles", "a mesh/surface with at least one in the fluid's domain");
-  return {names.name, std::make_shared<TriangleSet>(std::move(all)), names.slip};
+  add(*print, &names.sheet, sizeof names.sheet);
+  return {names.name, std::make_shared<TriangleSet>(std::move(all)), names.slip, names.sheet};
 }
 
 Body region_body(LAMMPS& lammps, const BodyNames& names, const FineGrid& grid, std::uint64_t* print) {

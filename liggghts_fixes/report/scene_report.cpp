@@ -277,9 +277,10 @@ static std::vector<std::string> body_lines(const Script& script, const SceneFact
     (names.slip ? slips : rubs) = true;
     const char* const kinds[] = {"mesh ", "wall ", "region "};
     lines.push_back("solid " + names.name + ": " + kinds[int(names.kind)] + names.id +
-                    (names.slip ? ", slip; " : ", noslip; ") + brief(body.area) + " m2 of its surface in the fluid, " +
+                    (names.sheet ? ", a sheet" : "") + (names.slip ? ", slip; " : ", noslip; ") + brief(body.area) +
+                    " m2 of its surface in the fluid" + (names.sheet ? ", both sides, " : ", ") +
                     (body.volume > 0 ? brief(body.volume) + " m3 closed, " : "") + std::to_string(body.cells) +
-                    " cells cut");
+                    (names.sheet ? " cells beside it" : " cells cut"));
   }
   if (!cut.fluid_side.empty()) lines.push_back("fluid is: " + cut.fluid_side);
   double domain = 1;
@@ -290,6 +291,9 @@ static std::vector<std::string> body_lines(const Script& script, const SceneFact
       " % of the domain; " + std::to_string(cut.closed_cells) + " of " + std::to_string((long long)cells) +
       " cells closed" +
       (cut.pocket_volume > 0 ? ", of them " + brief(cut.pocket_volume) + " m3 in pockets that nothing leads to" : ""));
+  if (cut.sheet_faces > 0)
+    lines.push_back("sheets: " + std::to_string(cut.sheet_faces) +
+                    " faces closed by them, in steps; their place is right to half a cell");
   if (cut.narrowest > 0) lines.push_back("narrowest opening: " + brief(cut.narrowest) + " cells");
   if (facts.nodes)
     lines.push_back("particle cells: " + std::to_string(facts.nodes->cut - facts.nodes->closed) + " cut, of which " +

@@ -278,6 +278,10 @@ void parse_solid(const Line& line) {
       if (slip_given) refuse(keyword, "noslip and slip, or one of them twice", "one of them");
       slip_given = true, body.slip = slip;
       words.word("", "");
+    } else if (words.take_if("sheet")) {
+      if (body.kind != BodyNames::Kind::kMesh)
+        refuse(keyword, kind + " " + body.id + " as a sheet", "a mesh: 'solid " + body.name + " mesh FIXID sheet'");
+      body.sheet = true;
     } else if (words.take_if("fluid_at")) {
       Vec3 x;
       for (double& c : x)
@@ -294,7 +298,7 @@ std::string solid_text(const Script& script) {
   std::string s;
   for (const BodyNames& b : script.bodies) {
     s += (s.empty() ? "" : "; ") + b.name + " " + option_of(kBodies, b.kind).word + " " + b.id +
-         (b.slip ? " slip" : " noslip");
+         (b.sheet ? " sheet" : "") + (b.slip ? " slip" : " noslip");
     for (const Vec3& x : b.fluid_at) s += " fluid_at " + three(x);
   }
   return s;
@@ -370,7 +374,8 @@ std::vector<Keyword> make_rows() {
        "`slip`, or periodic where the box is", "", [](const Line& l) { parse_boundary(l.script, l.words, l.started); },
        boundary_text, nullptr, true, true},
       {"solid",
-       "NAME, then `mesh` FIXID, `wall` FIXID or `region` ID, then perhaps `noslip` or `slip`, `fluid_at` x y z (m)",
+       "NAME, then `mesh` FIXID, `wall` FIXID or `region` ID, then perhaps `noslip` or `slip`, `sheet`, `fluid_at` x y "
+       "z (m)",
        "", "a vessel or body that is solid for the fluid, see Vessels and bodies; several", "none; noslip", "",
        parse_solid, solid_text, nullptr, true},
       {"initial u", "ux uy uz", "m/s", "interstitial velocity at the beginning", "", "flow",

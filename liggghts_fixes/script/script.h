@@ -40,6 +40,7 @@ struct BodyNames {
   Kind kind = Kind::kMesh;
   std::string id;  ///< of the fix mesh/surface, the fix wall/gran or the region
   bool slip = false;
+  bool sheet = false;  ///< a mesh with fluid on both sides
   std::vector<Vec3> fluid_at;  ///< m; empty: not given
 };
 

@@ -78,6 +78,8 @@ WRONG = {
     "wall between inlet and outlet": ("region plug block INF INF INF INF 0.008 0.011 units box", "solid a region plug", "outlet"),
     "body outside the domain": ("region ball sphere 0.0085 0.0085 0.09 0.003 units box", "solid a region ball", "body 'a'", "outside"),
     "body thinner than a cell": ("region sheet block INF INF 0.0101 0.0103 0.004 0.012 units box", "solid a region sheet", "thinner than a cell"),
+    "a region as a sheet": (BALL, "solid a region ball sheet", "as a sheet", "mesh FIXID sheet"),
+    "a sheet beside the domain": (MESH.replace("type 1", "type 1 move 0.1 0 0", 1), "solid a mesh cad sheet", "sheet 'a'", "stands between no two cells"),
     "after the first run": (BALL, "cfl 0.3", "solid", "first run", dict(after="fix_modify gas solid a region ball")),
     "another shape in a later run": (BALL, "solid a region ball", "another shape", dict(after="region ball delete\nregion ball sphere 0.0085 0.0085 0.009 0.004 units box\nrun 10")),
 }

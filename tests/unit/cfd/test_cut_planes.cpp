@@ -243,7 +243,8 @@ TEST(CutGrid, ShearAlongAPlaneHasNoNetForce) {
       });
     }
     EXPECT_LT(worst_bent, 1e-9) << p[1][0] << " " << p[1][1] << " " << p[1][2];
-    EXPECT_LT(worst, 1e-11) << p[1][0] << " " << p[1][1] << " " << p[1][2];
+    // Corners within 2e-4 of an edge from the plane count as on it (LocalGrid::kOn): what they would cut off is missing.
+    EXPECT_LT(worst, 1e-8) << p[1][0] << " " << p[1][1] << " " << p[1][2];
   }
   MPI_Allreduce(MPI_IN_PLACE, &slivers, 1, MPI_LONG_LONG, MPI_SUM, MPI_COMM_WORLD);
   EXPECT_GT(checked, 1000);
