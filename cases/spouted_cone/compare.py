@@ -52,8 +52,8 @@ def vessel(bed, verdict, short):
 
 
 def forces(bed, verdict, short):
-    wall, screen, rub = bed.mean[:, 2:5].T
-    dp, share, scatter = momentum(bed, verdict, {"wall on grains": -wall, "screen on grains": -screen, "vessel on gas": -rub}, 5e-3 if short else 1e-3, ("vessel on gas",))
+    wall, screen, rub, lid = bed.mean[:, 2:6].T
+    dp, share, scatter = momentum(bed, verdict, {"wall on grains": -wall, "screen on grains": -screen, "lid on grains": lid, "vessel on gas": -rub}, 5e-3 if short else 1e-3, ("vessel on gas",))
     inside = bed.averaged(bed.mean)
     carried = (dp.mean() * bed.section - rub[inside].mean()) / bed.weight
     verdict.note(f"mean pressure drop {dp.mean():.1f} Pa, standard deviation {dp.std():.1f} Pa; pressure at the nozzle and the gas's force on the wall together carry "
