@@ -44,12 +44,18 @@ FLOWS = [("verification_tests", ["1 " + FAST, "2 " + FAST, "1 VoidFractionJump.*
 ORDERS = [("verification_tests", ["1 Manufactured.*-*FineGrids*"])]
 CFD = [("unit_tests", ["^unit/cfd/.*_np1$", "^unit/cfd/.*_np2$"])] + FLOWS
 COUPLING = [("unit_tests", ["^unit/coupling/.*_np1$", "^unit/coupling/.*_np2$"])]
+BODIES = [("unit_tests", ["^unit/cfd/.*(cut_grid|walls|body|triangle).*_np[12]$"]),
+          ("verification_tests", ["1 Bodies.*:BodiesBalance.*-*Annulus", "2 BodiesBalance.*:Bodies.Pipe", "1 BodiesInFlow.*:BodiesInArrays.*:Bodies.Annulus"]),
+          ("twogrid", ["^(bodies|bad_bodies)$"])]
 FIXES = [("unit_tests", ["^unit/liggghts_fixes/.*_np1$"])]
 # System tests, by what they cost.
 QUICK = ["^(periodic_sides|fixed_particles|come_and_go|action_reaction|watched_drag|held|outlets)$"]
 BALANCES = ["^(between_runs|overfull|bed_end|mixtures|accuracy)$", "^(momentum|continuity)$"]
 STAGES = {
     "cfd/": CFD + [("twogrid", QUICK)] + ORDERS + [("twogrid", BALANCES)],
+    "cfd/bodies/": BODIES,
+    "cfd/momentum/cut_links": BODIES,
+    "cfd/fluid/predictor": CFD + BODIES[1:2] + [("twogrid", QUICK)] + ORDERS + [("twogrid", BALANCES)],
     "cfd/parallel/": CFD[:1] + COUPLING + FLOWS + [("twogrid", QUICK + BALANCES)],
     "coupling/": COUPLING + [("twogrid", QUICK + BALANCES)],
     "coupling/checkpoint/": [("unit_tests", ["^unit/coupling/test_state_file_np"]), ("twogrid", ["^checkpoint$"])],

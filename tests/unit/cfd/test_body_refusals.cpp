@@ -103,6 +103,9 @@ TEST(BodyRefusals, InletsOutletsAndPockets) {
   two.side(kXlo, BoundaryKind::kPressure).side(kYlo, BoundaryKind::kPressure);
   two.run();  // four corners beside the cylinder; the one that no outlet is at is a pocket
   EXPECT_NEAR(two.report.pocket_volume, 0.25 * (1 - kPi / 4), 0.002);
+  double open = 0;
+  for (double theta : two.theta()) open += theta / (16 * 16 * 16);
+  EXPECT_NEAR(open, 0.75 * (1 - kPi / 4), 0.006);
 }
 
 }  // namespace twogrid
