@@ -5,7 +5,8 @@ wall of LIGGGHTS and as a region; grains that fall into a cone; what is written 
 What would pass falsely without it: a cylinder along y whose two coordinates are changed over; a mesh of which each rank knows its
 own part only; a fluid on the outside of the vessel, or on both sides; flux per area of the box in place of the vessel's; solids
 deposited into steel; means of cells weighted by their closed part; a run that goes on from a checkpoint without its vessel, or with a mesh's triangles in
-another order on a rank, or with a moving mesh at rest.
+another order on a rank, or with a moving mesh at rest; a torque
+with one of its arms the wrong way.
 
 References: Ergun (1952) over the vessel's own section; areas and volumes of cylinder and polygon; exact solids volume.
 """
@@ -14,7 +15,7 @@ import re
 import h5py
 import numpy as np
 
-from harness import Checks, Run, arguments, column, data_file, head_with_particles
+from harness import Checks, Run, arguments, column, data_file, head, head_with_particles
 from same_script import checkpoints, gas, gone_on, text_of
 
 R, H, D = 8e-3, 18e-3, 1e-3
@@ -175,6 +176,25 @@ def forces_on_bodies(c, executable):
     c.below("torque about its axis, over force times radius", abs(last(run, "f_gas[22]")) / (push * R), 0.01)
 
 
+def torque_on_a_ball(c, executable):
+    """Held in the middle between two walls that move against each other, slowly: 4 pi mu a^3 times the shear rate."""
+    side, a, mu, v = 24e-3, 3e-3, 0.1, 0.01
+    run = Run(executable, head(f"0 {side} 0 {side} 0 {side}", 1e-4, boundary="f p p") + f"""create_atoms 1 single 0.001 0.001 0.001 units box
+set group all diameter 1e-5 density 2500
+region ball sphere {side / 2} {side / 2} {side / 2} {a} units box
+fix gas all twogrid fine 24 24 24 ratio 3 3 3 density 1 viscosity {mu} every 10
+fix_modify gas solid ball region ball implicit on convection none
+fix_modify gas boundary xlo noslip 0 0 {-v} boundary xhi noslip 0 0 {v}
+thermo_style custom step f_gas[20] f_gas[21] f_gas[22]
+thermo_modify norm no
+thermo 60
+run 60
+""", launcher=())
+    torque = [last(run, f"f_gas[{i}]") / (-4 * np.pi * mu * a**3 * 2 * v / side) for i in (20, 21, 22)]
+    c.below(f"torque on a ball in shear, over its Stokes flow's {torque[1]:.4f}; relative", abs(torque[1] - 1), 0.03)
+    c.below("torque about the other axes, relative", np.hypot(torque[0], torque[2]), 1e-3)
+
+
 def same_on_all_ranks(c, executable, ranks):
     out = "fix_modify gas output every 100 file o.h5 average from 0"
     runs = {n: bed(executable, "mesh", ranks=n, extra=out, words="")[0] for n in (1, *ranks)}
@@ -294,6 +314,7 @@ def main():
     beds_in_a_cylinder(c, executable)
     friction_of_walls(c, executable)
     forces_on_bodies(c, executable)
+    torque_on_a_ball(c, executable)
     same_on_all_ranks(c, executable, [n for n in ranks if n > 1])
     grains_in_a_cone(c, executable, [n for n in ranks if n <= 2])
     paddle_in_a_cone(c, executable)
