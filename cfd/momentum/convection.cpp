@@ -164,20 +164,21 @@ inline void ConvectionTerm::side_row(const Convected& a, int i, int j, int k, in
   }
 }
 
-/// Of a row of own faces: what has to be worked on. None beyond the last rows. whole: all of it, the same for all rows.
-template <bool whole>
+/// Of a row of own faces: what has to be worked on. None beyond the last rows.
 inline OpenRows::Part ConvectionTerm::part(int c, int j, int k) const {
   const Box& b = faces_[c];
-  if (whole) return {b.lo[0], b.hi[0]};
   return j < b.hi[1] && k < b.hi[2] ? rows_[c]->at(j, k) : OpenRows::Part{b.lo[0], b.lo[0]};
 }
 
+/// whole: all rows have their whole length.
 template <int c, bool limited, bool whole>
 inline void ConvectionTerm::convect_component(const Convected& a, Array3<double>& out) {
   using Part = OpenRows::Part;
-  const auto both = [](const Part& p, const Part& q) { return whole ? p : OpenRows::hull(p, q); };
-  const Box& b = faces_[c];
+  const Box b = faces_[c];
   const int first = b.lo[0], row = local_.size(0);
+  const Part all{b.lo[0], b.hi[0]};
+  const auto part_of = [&](int j, int k) { return whole ? all : part(c, j, k); };
+  const auto both = [&](const Part& p, int j, int k) { return whole ? all : OpenRows::hull(p, part(c, j, k)); };
   const std::size_t slab = std::size_t(row) * local_.size(1);
   double* x_side = side_[0].data();
   double *y_low = side_[1].data(), *y_high = y_low + row;
@@ -185,32 +186,33 @@ inline void ConvectionTerm::convect_component(const Convected& a, Array3<double>
   auto z_row = [&](double* z, int j) { return z + std::size_t(row) * (j - b.lo[1]); };
   if (solved_[2])
     for (int j = b.lo[1]; j < b.hi[1]; ++j) {
-      const Part p = part<whole>(c, j, b.lo[2]);
-      if (p.size() > 0) side_row<c, 2, limited>(a, p.begin, j, b.lo[2], p.size(), z_row(z_low, j) + (p.begin - first));
+      const Part p = part_of(j, b.lo[2]);
+      if (whole || p.size() > 0)
+        side_row<c, 2, limited>(a, p.begin, j, b.lo[2], p.size(), z_row(z_low, j) + (p.begin - first));
     }
   for (int k = b.lo[2]; k < b.hi[2]; ++k) {
-    const Part lowest = part<whole>(c, b.lo[1], k);
-    if (solved_[1] && lowest.size() > 0)
+    const Part lowest = part_of(b.lo[1], k);
+    if (solved_[1] && (whole || lowest.size() > 0))
       side_row<c, 1, limited>(a, lowest.begin, b.lo[1], k, lowest.size(), y_low + (lowest.begin - first));
     for (int j = b.lo[1]; j < b.hi[1]; ++j) {
       // A side is computed as far as the row below it or the one above it needs it.
-      const Part p = part<whole>(c, j, k);
+      const Part p = part_of(j, k);
       const int at = p.begin - first, n = p.size();
       double* o = out.data() + out.index(p.begin, j, k);
-      if (solved_[0] && n > 0) {
+      if (solved_[0] && (whole || n > 0)) {
         side_row<c, 0, limited>(a, p.begin, j, k, n + 1, x_side);
         for (int i = 0; i < n; ++i) o[i] -= x_side[i + 1] - x_side[i];
       }
       if (solved_[1]) {
-        const Part q = both(p, part<whole>(c, j + 1, k));
-        if (q.size() > 0) side_row<c, 1, limited>(a, q.begin, j + 1, k, q.size(), y_high + (q.begin - first));
+        const Part q = both(p, j + 1, k);
+        if (whole || q.size() > 0) side_row<c, 1, limited>(a, q.begin, j + 1, k, q.size(), y_high + (q.begin - first));
         for (int i = 0; i < n; ++i) o[i] -= y_high[at + i] - y_low[at + i];
         std::swap(y_low, y_high);
       }
       if (solved_[2]) {
         double *low = z_row(z_low, j), *high = z_row(z_high, j);
-        const Part q = both(p, part<whole>(c, j, k + 1));
-        if (q.size() > 0) side_row<c, 2, limited>(a, q.begin, j, k + 1, q.size(), high + (q.begin - first));
+        const Part q = both(p, j, k + 1);
+        if (whole || q.size() > 0) side_row<c, 2, limited>(a, q.begin, j, k + 1, q.size(), high + (q.begin - first));
         for (int i = 0; i < n; ++i) o[i] -= high[at + i] - low[at + i];
       }
     }

@@ -41,7 +41,6 @@ class ConvectionTerm {
   template <int c, int d>
   void centre_cut_sides(const Convected& a, Array3<double>& out) const;
 
-  template <bool whole>
   OpenRows::Part part(int c, int j, int k) const;
 
   Box own_, local_;
