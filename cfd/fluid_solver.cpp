@@ -155,7 +155,7 @@ void FluidSolver::start(const CellField<FineGrid>& eps) {
   take_open_part(domain_, state_.eps[0], &state_.eps_open);
   set_face_eps(domain_, state_);
   state_.eps[1] = state_.eps[0];
-  state_.p.fill(0);
+  state_.p.fill(initial_pressure(settings_));
   state_.phi.fill(0);
   set_initial_velocity(domain_, settings_, state_.u);
   domain_.boundaries.update();

@@ -29,10 +29,12 @@ double positive(double radius, const char* what) {
   return radius;
 }
 
-/// Smallest root of a s^2 + 2 b s + c = 0 in [0, 1]; kNone without one.
+/// Smallest root of a s^2 + 2 b s + c = 0 in [0, 1]; kNone without one. Two roots closer than kTouch are a touch, which
+/// parts nothing.
 double first_root(double a, double b, double c) {
+  constexpr double kTouch = 1e-6;
   const double under = b * b - a * c;
-  if (!(a > 0) || !(under >= 0)) return SolidShape::kNone;
+  if (!(a > 0) || !(under > 0.25 * kTouch * kTouch * a * a)) return SolidShape::kNone;
   const double q = b > 0 ? -b - std::sqrt(under) : -b + std::sqrt(under);
   double near = q / a, far = q != 0 ? c / q : near;
   if (near > far) std::swap(near, far);

@@ -25,4 +25,16 @@ void set_initial_velocity(const FluidDomain& domain, const FluidSettings& settin
   if (settings.initial_vortex != 0) add_vortex(domain, settings.initial_vortex, u);
 }
 
+double initial_pressure(const FluidSettings& settings) {
+  double first = 0;
+  bool any = false;
+  for (const auto& side : settings.side)
+    for (const BoundaryCondition& c : side) {
+      if (c.kind != BoundaryKind::kPressure) continue;
+      if (any && c.pressure != first) return 0;
+      first = c.pressure, any = true;
+    }
+  return first;
+}
+
 }  // namespace twogrid

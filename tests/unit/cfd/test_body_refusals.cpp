@@ -45,6 +45,14 @@ TEST(BodyRefusals, WhatSeparatesNothing) {
   expect(scene({body_of<SphereShape>(Vec3{0.5, 0.5, 0.5}, 0.3128, FluidIs::kOutside),
                 mesh(box_mesh({-1, -1, -1}, {2, 0, 2}), "side")}),
          "");
+  // A tube and a ball that touch planes of the grid's nodes.
+  for (FluidIs fluid : {FluidIs::kOutside, FluidIs::kUnknown})
+    for (double radius : {0.13, 0.17, 0.21}) {
+      expect(scene({body(std::make_shared<CylinderShape>(Vec3{0.5 - radius, 0, 0.53}, Vec3{0, 1, 0}, radius, fluid))})
+                 .fluid_at({0.9, 0.9, 0.9}),
+             "");
+      expect(scene({body_of<SphereShape>(Vec3{0.5, 0.53, 0.5 - radius}, radius, fluid)}).fluid_at({0.9, 0.9, 0.9}), "");
+    }
 }
 
 TEST(BodyRefusals, WhichSide) {
