@@ -74,7 +74,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
     monitors_.measure(state_, predictor_.inlet_head(), projection_.velocity_scale(), step.dt / interval, report);
     if (body_forces_.any())
       body_forces_.add(step.dt / interval, state_, properties_.viscosity, predictor_.lost_convection(),
-                       predictor_.lost_stress(), predictor_.sliver_drag(), predictor_.sliver_pull());
+                       predictor_.lost_stress(), predictor_.exceeding(), predictor_.sliver_drag(), predictor_.sliver_pull());
     if (step.implicit_viscosity) projection_.rotate_pressure(properties_.viscosity, state_);
     for (auto& model : models_) model->step(domain_, step, state_);
     done += step.dt;

@@ -104,7 +104,7 @@ void BodyForces::list_cells(const OpenShares& open) {
 }
 
 /// Body whose surface is nearest to a face of the component, or (-1) to a cell, as the cells around hold points of it.
-int BodyForces::body_near(int component, const Int3& x) const {
+int BodyForces::body_near(int component, const Int3& x, Vec3* point) const {
   Box around;
   for (int d = 0; d < 3; ++d) around.lo[d] = x[d] - 2, around.hi[d] = x[d] + 3;
   double least = -1;
@@ -112,23 +112,31 @@ int BodyForces::body_near(int component, const Int3& x) const {
   for_each(intersect(around, body_.box()), [&](int i, int j, int k) {
     if (!(body_(i, j, k) >= 0)) return;
     double far = 0;
+    Vec3 at;
     for (int d = 0; d < 3; ++d) {
       const Axis& axis = domain_.grid.axis[d];
-      double way = wall_[d](i, j, k) - (d == component ? axis.node(x[d]) : axis.centre(x[d]));
+      const double here = d == component ? axis.node(x[d]) : axis.centre(x[d]);
+      double way = wall_[d](i, j, k) - here;
       if (axis.periodic()) way -= axis.length() * std::round(way / axis.length());
-      far += way * way;
+      far += way * way, at[d] = here + way;
     }
-    if (least < 0 || far < least) least = far, nearest = int(body_(i, j, k));
+    if (least >= 0 && far >= least) return;
+    least = far, nearest = int(body_(i, j, k));
+    if (point) *point = at;
   });
   return nearest;
 }
 
 /// Of own faces of a component by memory index, ascending.
-std::vector<int> BodyForces::bodies_near(int c, const std::vector<std::ptrdiff_t>& faces) const {
-  std::vector<int> bodies;
+std::vector<BodyForces::Nearest> BodyForces::bodies_near(int c, const std::vector<std::ptrdiff_t>& faces) const {
+  std::vector<Nearest> bodies;
   for_each(domain_.faces[c], [&](int i, int j, int k) {
-    if (bodies.size() < faces.size() && body_.index(i, j, k) == faces[bodies.size()])
-      bodies.push_back(body_near(c, {i, j, k}));
+    if (!(bodies.size() < faces.size() && body_.index(i, j, k) == faces[bodies.size()])) return;
+    Nearest n{0, {0, 0, 0}};
+    Vec3 point = force_[0].centre;
+    n.body = body_near(c, {i, j, k}, &point);
+    for (int d = 0; d < 3; ++d) n.arm[d] = point[d] - force_[n.body].centre[d];
+    bodies.push_back(n);
   });
   return bodies;
 }
@@ -137,8 +145,15 @@ void BodyForces::begin() {
   for (BodyForce& f : force_) f.friction = f.pressure = f.convection = f.torque = {0, 0, 0};
 }
 
+inline void BodyForces::add_friction(const Nearest& to, int c, double F) {
+  BodyForce& f = force_[to.body];
+  f.friction[c] += F;
+  const int e = (c + 1) % 3, g = (c + 2) % 3;
+  f.torque[e] += to.arm[g] * F, f.torque[g] -= to.arm[e] * F;
+}
+
 void BodyForces::add(double share, const FluidState& state, const Property& mu, const Lost& convection,
-                     const Lost& stress, const Lost& drag, const Lost& pull) {
+                     const Lost& stress, const Lost& exceeding, const Lost& drag, const Lost& pull) {
   const double* cell_mu = mu.varies() ? mu.field().data() : nullptr;
   for (const Piece& p : pieces_) {
     double viscosity = mu.number;
@@ -148,10 +163,7 @@ void BodyForces::add(double share, const FluidState& state, const Property& mu, 
     }
     const double F =
         share * viscosity * p.conductance * state.i_f[p.component].data()[p.face] * state.u[p.component].data()[p.face];
-    BodyForce& f = force_[p.body];
-    f.friction[p.component] += F;
-    const int e = (p.component + 1) % 3, g = (p.component + 2) % 3;
-    f.torque[e] += p.arm[g] * F, f.torque[g] -= p.arm[e] * F;
+    add_friction({p.body, p.arm}, p.component, F);
   }
   for (const Pressed& c : pressed_)
     for (int d = 0; d < 3; ++d) force_[c.body].pressure[d] += share * state.p.data()[c.cell] * c.area[d];
@@ -159,13 +171,16 @@ void BodyForces::add(double share, const FluidState& state, const Property& mu, 
     for (int d = 0; d < 3; ++d) force_[w.body].torque[d] += share * state.p.data()[w.cell] * w.turning[d];
   for (int c = 0; c < 3; ++c) {
     for (std::size_t q = 0; q < convection[c].size(); ++q)
-      force_[convection_to_[c][q]].convection[c] += share * convection[c][q];
+      force_[convection_to_[c][q].body].convection[c] += share * convection[c][q];
     const std::vector<std::ptrdiff_t>& faces = domain_.measures.open()->without_convection(c);
     for (std::size_t q = 0; q < drag[c].size(); ++q)
-      force_[convection_to_[c][q]].convection[c] +=
+      force_[convection_to_[c][q].body].convection[c] +=
           share * drag[c][q] * state.i_f[c].data()[faces[q]] * volume_[c][q] * state.u[c].data()[faces[q]];
-    for (std::size_t q = 0; q < pull[c].size(); ++q) force_[convection_to_[c][q]].friction[c] -= share * pull[c][q];
-    for (std::size_t q = 0; q < stress[c].size(); ++q) force_[stress_to_[c][q]].friction[c] += share * stress[c][q];
+    for (std::size_t q = 0; q < pull[c].size(); ++q) add_friction(convection_to_[c][q], c, -share * pull[c][q]);
+    for (std::size_t q = 0; q < stress[c].size(); ++q) {
+      force_[stress_to_[c][q].body].friction[c] += share * (stress[c][q] - exceeding[c][q]);
+      add_friction(stress_to_[c][q], c, share * exceeding[c][q]);
+    }
   }
 }
 

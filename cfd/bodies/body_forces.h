@@ -7,7 +7,8 @@
 //   convection  momentum carried to closed faces and slivers, which have no convection of their own, and the drag that
 //               slivers have instead
 // The pressure is the dynamic one: hydrostatic buoyancy, and that of an imposed mean gradient G (-G times the body's
-// volume), are not in it. Torque: friction at the pieces, pressure on the surface's cells.
+// volume), are not in it. Torque: friction at the pieces and at the surface's points nearest to
+// such faces, pressure on the surface's cells.
 #pragma once
 
 #include <vector>
@@ -43,10 +44,11 @@ class BodyForces {
   /// Forces on faces, in the order of a list of them (N).
   using Lost = std::array<std::vector<double>, 3>;
   /// Adds a step's share of the interval: the state is the step's, its p what the fluid felt; convection: to the faces of
-  /// OpenShares::without_convection; stress: what those of CutLinks::faces go without; drag: the former's coefficients,
+  /// OpenShares::without_convection; stress: what those of CutLinks::faces go without, and exceeding, the
+  /// part of it that is the wall's; drag: the former's coefficients,
   /// per inertia share (kg/(m3 s)); pull: what drags these along against friction and drag.
   void add(double share, const FluidState& state, const Property& mu, const Lost& convection, const Lost& stress,
-           const Lost& drag, const Lost& pull);
+           const Lost& exceeding, const Lost& drag, const Lost& pull);
   /// Sums over ranks. Collective.
   void end();
   /// Means over the last interval, the same on all ranks.
@@ -75,8 +77,14 @@ class BodyForces {
   void find_centres(const OpenShares& open);
   void list_cells(const OpenShares& open);
   void find_walls(const OpenShares& open);
-  int body_near(int component, const Int3& x) const;
-  std::vector<int> bodies_near(int c, const std::vector<std::ptrdiff_t>& faces) const;
+  int body_near(int component, const Int3& x, Vec3* point = nullptr) const;
+  /// A body that has what a face of a list loses, and the arm of that force.
+  struct Nearest {
+    int body;
+    Vec3 arm;
+  };
+  std::vector<Nearest> bodies_near(int c, const std::vector<std::ptrdiff_t>& faces) const;
+  void add_friction(const Nearest& to, int c, double F);
 
   const FluidDomain& domain_;
   CellField<FineGrid> body_;  // of the surface in a cell; -1: none. Only while the lists are made, as wall_
@@ -85,7 +93,7 @@ class BodyForces {
   std::vector<Piece> pieces_;
   std::vector<Pressed> pressed_;
   std::vector<Wall> walls_;
-  std::array<std::vector<int>, 3> convection_to_, stress_to_;  // bodies that have what the faces of the lists lose
+  std::array<std::vector<Nearest>, 3> convection_to_, stress_to_;
   std::vector<BodyForce> force_;
 };
 

@@ -218,7 +218,8 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
   if (domain_.measures.open()) lose_convection(rhs);
   measure_inlet_head(state, u_tilde);
   if (viscous && !step.implicit_viscosity) viscous_.add(mu, state.eps[0], u_tilde, rhs);
-  if (viscous_.cut() && !step.implicit_viscosity) viscous_.cut()->left_out(mu, state.eps[0], u_tilde, lost_stress_);
+  if (viscous_.cut() && !step.implicit_viscosity)
+    viscous_.cut()->left_out(mu, state.eps[0], u_tilde, lost_stress_, exceeding_);
   domain_.boundaries.set_outlet_pressure(u_tilde, rho);
   domain_.boundaries.apply_pressure(state.p);
 
@@ -239,7 +240,7 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
     viscous_solver_->solve(mu, state.eps[0], inertia_field_, rhs_, u_next);
     if (viscous_.cut()) {
       domain_.fill(u_next);
-      viscous_.cut()->left_out(mu, state.eps[0], u_next, lost_stress_);
+      viscous_.cut()->left_out(mu, state.eps[0], u_next, lost_stress_, exceeding_);
     }
   }
   drag_slivers_along(state, exchange, u_next);

@@ -36,6 +36,7 @@ class Predictor {
   /// Null where nothing is cut; and its left_out() in the step.
   const CutLinks* cut_links() const { return viscous_.cut(); }
   const std::array<std::vector<double>, 3>& lost_stress() const { return lost_stress_; }
+  const std::array<std::vector<double>, 3>& exceeding() const { return exceeding_; }
   /// Of the faces of OpenShares::without_convection: drag for want of convection (kg/(m3 s), per inertia share).
   const std::array<std::vector<double>, 3>& sliver_drag() const { return sliver_drag_; }
   /// Of the same faces: what drags them along against friction, N.
@@ -58,7 +59,7 @@ class Predictor {
   ViscousTerm viscous_;
   Inertia inertia_;
   double inlet_head_ = 0;
-  std::array<std::vector<double>, 3> lost_convection_, lost_stress_, sliver_drag_, sliver_pull_;
+  std::array<std::vector<double>, 3> lost_convection_, lost_stress_, exceeding_, sliver_drag_, sliver_pull_;
   std::array<std::vector<double>, 3> sliver_inverse_width_;  // of the same faces (1/m)
   struct Following {
     int place;  // in the list of faces that take no part in convection

@@ -163,10 +163,11 @@ inline void CutLinks::for_each_transposed(const Property& mu, const CellField<Fi
 }
 
 void CutLinks::left_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u,
-                        std::array<std::vector<double>, 3>& force) const {
-  for (int c = 0; c < 3; ++c) force[c].assign(faces_[c].size(), 0.0);
+                        std::array<std::vector<double>, 3>& force,
+                        std::array<std::vector<double>, 3>& exceeding) const {
+  for (int c = 0; c < 3; ++c) force[c].assign(faces_[c].size(), 0.0), exceeding[c].assign(faces_[c].size(), 0.0);
   for_each_transposed(mu, e, u, [&](int c, int slot, double f) { force[c][slot] += f; });
-  for_each_steeper(mu, e, u, [&](int c, int slot, double f) { force[c][slot] -= f; });
+  for_each_steeper(mu, e, u, [&](int c, int slot, double f) { force[c][slot] -= f, exceeding[c][slot] -= f; });
 }
 
 /// mu eps a A/h; mu: harmonic mean of what is open around.

@@ -32,8 +32,9 @@ class CutLinks {
   /// Own faces that go without transposed gradients; left_out(): of each, what it would have of them, less what its links
   /// give it more than they take from its neighbours, N.
   const std::vector<std::ptrdiff_t>& faces(int c) const { return faces_[c]; }
+  /// exceeding: the latter part alone, which is the wall's and has a torque about it.
   void left_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u,
-                std::array<std::vector<double>, 3>& force) const;
+                std::array<std::vector<double>, 3>& force, std::array<std::vector<double>, 3>& exceeding) const;
   /// diagonal += that of -add(), N s/m.
   void add_diagonal(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& diagonal) const;
 
