@@ -35,6 +35,14 @@ class Verdict:
         sys.exit(1 if self.failed else 0)
 
 
+def command_line(usage):
+    """The folder that compare.py is called with, and whether with --short."""
+    words = [w for w in sys.argv[1:] if w != "--short"]
+    if len(words) != 1:
+        sys.exit(usage)
+    return words[0], "--short" in sys.argv
+
+
 class Bed:
     """The output of a run, with what several checks need. d, rho: of the grains; step: the DEM step (s)."""
 

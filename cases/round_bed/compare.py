@@ -14,7 +14,7 @@ import numpy as np
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import picture_3d  # noqa: E402
 import plot_fields  # noqa: E402
-from verdict import Bed, Verdict, in_open_cells, ledgers, momentum, packed_fluidisation, save, usual_pictures  # noqa: E402
+from verdict import Bed, Verdict, command_line, in_open_cells, ledgers, momentum, packed_fluidisation, save, usual_pictures  # noqa: E402
 
 # As in.round_bed has it.
 D_P, RHO_P, DEM_STEP = 1.5e-3, 1000.0, 2.5e-5
@@ -83,11 +83,8 @@ def section(bed, height):
 
 
 def main():
-    words = [w for w in sys.argv[1:] if w != "--short"]
-    short = "--short" in sys.argv
-    if len(words) != 1:
-        sys.exit(__doc__)
-    bed, verdict = Bed(words[0], D_P, RHO_P, DEM_STEP), Verdict()
+    folder, short = command_line(__doc__)
+    bed, verdict = Bed(folder, D_P, RHO_P, DEM_STEP), Verdict()
     verdict.note(f"{bed.n:.0f} grains, {bed.inflow / SECTION:.3f} m/s, {bed.length:.2f} s, means from {bed.begin:.2f} s")
     ledgers(bed, verdict)
     vessel(bed, verdict)

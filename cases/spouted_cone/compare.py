@@ -15,7 +15,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import picture_3d  # noqa: E402
 import plot_fields  # noqa: E402
 from make_stl import BASE, FLOOR, HALF_ANGLE, HEIGHT, NOZZLE, SHOULDER, TOP, X0, Y0, radius  # noqa: E402
-from verdict import G, Bed, Verdict, by_chance, in_open_cells, ledgers, momentum, save, usual_pictures  # noqa: E402
+from verdict import Bed, G, Verdict, by_chance, command_line, in_open_cells, ledgers, momentum, save, usual_pictures  # noqa: E402
 
 D_P, RHO_P = 2.0e-3, 1040.0      # as in.spouted_cone has it
 SLOPE = np.tan(np.radians(HALF_ANGLE))
@@ -154,12 +154,9 @@ def cut(bed):
 
 
 def main():
-    words = [w for w in sys.argv[1:] if w != "--short"]
-    short = "--short" in sys.argv
-    if len(words) != 1:
-        sys.exit(__doc__)
-    now = np.loadtxt(os.path.join(words[0], "now.txt"), ndmin=2)
-    bed, verdict = Cone(words[0], (now[-1, 4] - now[0, 4]) / (now[-1, 0] - now[0, 0])), Verdict()
+    folder, short = command_line(__doc__)
+    now = np.loadtxt(os.path.join(folder, "now.txt"), ndmin=2)
+    bed, verdict = Cone(folder, (now[-1, 4] - now[0, 4]) / (now[-1, 0] - now[0, 0])), Verdict()
     verdict.note(f"{bed.n:.0f} grains, {bed.inflow / bed.nozzle:.2f} m/s in the nozzle, {bed.length:.2f} s, means from {bed.begin:.2f} s")
     ledgers(bed, verdict)
     vessel(bed, verdict, short)

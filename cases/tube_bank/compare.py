@@ -15,7 +15,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import leg_tables  # noqa: E402
 import picture_3d  # noqa: E402
 import plot_fields  # noqa: E402
-from verdict import G, Bed, Verdict, batch_error, by_chance, in_open_cells, ledgers, momentum, packed_fluidisation, save, usual_pictures  # noqa: E402
+from verdict import Bed, G, Verdict, batch_error, by_chance, command_line, in_open_cells, ledgers, momentum, packed_fluidisation, save, usual_pictures  # noqa: E402
 
 # As in.tube_bank has it.
 D_P, RHO_P, DEM_STEP = 1.5e-3, 1000.0, 2.5e-5
@@ -129,16 +129,13 @@ def cut(bed):
 
 
 def main():
-    words = [w for w in sys.argv[1:] if w != "--short"]
-    short = "--short" in sys.argv
-    if len(words) != 1:
-        sys.exit(__doc__)
-    bed, verdict = Bed(words[0], D_P, RHO_P, DEM_STEP), Verdict()
+    folder, short = command_line(__doc__)
+    bed, verdict = Bed(folder, D_P, RHO_P, DEM_STEP), Verdict()
     verdict.note(f"{bed.n:.0f} grains, {bed.inflow / bed.section:.3f} m/s, {bed.length:.2f} s, means from {bed.begin:.2f} s")
     ledgers(bed, verdict)
     tubes(bed, verdict, short)
     in_open_cells(bed, verdict)
-    empty_bank(bed, verdict, words[0])
+    empty_bank(bed, verdict, folder)
     lift = forces(bed, verdict, short)
     fluidisation(bed, verdict, short, lift)
     symmetry(bed, verdict, short)

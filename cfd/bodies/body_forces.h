@@ -7,8 +7,8 @@
 //   convection  momentum carried to closed faces and slivers, which have no convection of their own, and the drag that
 //               slivers have instead
 // The pressure is the dynamic one: hydrostatic buoyancy, and that of an imposed mean gradient G (-G times the body's
-// volume), are not in it. Torque: friction at the pieces and at the surface's points nearest to
-// such faces, pressure on the surface's cells.
+// volume), are not in it. Torque: friction at the pieces, and at the surface's points nearest to
+// slivers and to faces whose links exceed; pressure on the surface's cells.
 #pragma once
 
 #include <vector>
@@ -44,9 +44,9 @@ class BodyForces {
   /// Forces on faces, in the order of a list of them (N).
   using Lost = std::array<std::vector<double>, 3>;
   /// Adds a step's share of the interval: the state is the step's, its p what the fluid felt; convection: to the faces of
-  /// OpenShares::without_convection; stress: what those of CutLinks::faces go without, and exceeding, the
-  /// part of it that is the wall's; drag: the former's coefficients,
-  /// per inertia share (kg/(m3 s)); pull: what drags these along against friction and drag.
+  /// OpenShares::without_convection; stress: what those of CutLinks::faces go without, and exceeding, the part of it that is
+  /// the wall's; drag: coefficients of the faces without convection, per inertia share (kg/(m3 s)); pull: what drags
+  /// these along against friction and drag.
   void add(double share, const FluidState& state, const Property& mu, const Lost& convection, const Lost& stress,
            const Lost& exceeding, const Lost& drag, const Lost& pull);
   /// Sums over ranks. Collective.
@@ -78,7 +78,7 @@ class BodyForces {
   void list_cells(const OpenShares& open);
   void find_walls(const OpenShares& open);
   int body_near(int component, const Int3& x, Vec3* point = nullptr) const;
-  /// A body that has what a face of a list loses, and the arm of that force.
+  /// A body that has what a face of a list loses, and the arm of that force from the body's centre (m).
   struct Nearest {
     int body;
     Vec3 arm;

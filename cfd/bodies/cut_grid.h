@@ -11,7 +11,8 @@
 //   friction   fluid face, link cut after eta h:   a A/(eta h)          a: mean of the two cells' alpha, or of alpha
 //              fluid face, its own wall:           A_w/phi              of the two faces along its own direction
 //              sliver:                             A_w/(distance of the open part's centroid)
-//              with A_w the mean of the two cells'; eta >= 0.01, distances >= 0.01 h
+//              with A_w the mean of the two cells'; eta >= 0.01, distances >= 0.01 h; the velocity is that of the open
+//              part, so that links take it times OpenSpace::centre, and all of a fluid face times OpenSpace::viscous
 // Sheets close whole faces (sheets.h); they have no part in labels.
 // Cleaned: alpha below 1e-3 is closed; cells without an open face are closed; so are pockets that reach no inlet, outlet
 // or point of fluid_at, unless the whole domain is closed.
