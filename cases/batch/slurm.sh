@@ -1,24 +1,17 @@
 #!/bin/bash
 # The body of every submit.slurm: one leg; when it was ended by a signal, the job is put back into the queue and goes on.
-#   slurm.sh CASE [--done COMMAND] SCRIPT [words ...]
-#   CASE: the case's folder. Results: CASE/out/job_ID (in an array job_ID_INDEX). COMMAND FOLDER: what follows when the script is done.
+#   slurm.sh CASE [--done COMMAND] SCRIPT [--short|--long] [words ...]
+#   CASE: the folder of the case. Results: CASE/out/job_ID (in an array job_ID_INDEX). COMMAND FOLDER: what follows when the script is done;
+#   without it a folder with a case.sh is compared, drawn and reported as by ../run, and started on the job's ranks as by it.
 set -u
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-case=$1
-shift
-finish=
-if [ "$1" = --done ]; then
-  finish=$2
-  shift 2
-fi
+. "$here"/job.sh
 job=$SLURM_JOB_ID
 [ -z "${SLURM_ARRAY_JOB_ID:-}" ] || job=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID
-folder=$case/out/job_$job
-script=$1
-shift
+set_up "$job" "${SLURM_NTASKS:-1}" "$@"
 child=
 trap '[ -z "$child" ] || kill -USR1 "$child" 2>/dev/null' USR1 TERM
-"$here"/leg.sh "$folder" "$script" "$@" &
+"$here"/leg.sh "$folder" "$script" "${words[@]}" &
 child=$!
 code=0
 wait "$child" || code=$?
@@ -27,7 +20,7 @@ while kill -0 "$child" 2>/dev/null; do
   wait "$child" || code=$?
 done
 case $code in
-  0) [ -z "$finish" ] || exec "$finish" "$folder" ;;
+  0) conclude ;;
   75 | 138 | 143)  # the latter: before leg.sh could heed signals
     echo "$folder: goes on in another leg"
     scontrol requeue "$job"  # ends this job here

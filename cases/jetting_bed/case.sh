@@ -1,4 +1,7 @@
 # For ../run. Ranks side by side, and on top of each other from 4 on.
 title="jetting bed"
+what="one, two or three jets of 1.6 mm in a flat bed of 9600 grains for each: the bed of Deb & Tafti"
+against="conservation; drag law; balance of forces; jet lengths of Yang & Keairns (1978), Merry (1975), 40 %"
+time_run="2 min" time_long="15 min" memory="?"
 second=pz
 long="-var tend 6.0 -var tavg 1.0"

@@ -11,6 +11,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import drag_check  # noqa: E402
 import plot_fields  # noqa: E402
 from verdict import G, Bed, Verdict, batch_error, ledgers, momentum, save, usual_pictures  # noqa: E402
 
@@ -93,6 +94,7 @@ def main():
     verdict.note(f"{len(bed.jets)} jet(s) of {1e3 * bed.jet_width:.1f} mm at {bed.U:.1f} m/s, background "
                  f"{bed.U_background:.2f} m/s, {bed.length:.2f} s, means from {bed.begin:.2f} s")
     ledgers(bed, verdict)
+    drag_check.check(bed.file, verdict)
     patches(bed, verdict)
     dp, _, _ = momentum(bed, verdict, {"walls": bed.mean[:, 2]})
     verdict.note(f"mean pressure drop {dp.mean():.1f} +- {batch_error(dp):.1f} Pa (8 batches), standard deviation {dp.std():.1f} Pa")

@@ -6,7 +6,7 @@
 FOLDER: what the run wrote (bed.h5, mean.txt). --reference: a folder of measured profiles named PREFIXvoid_fraction_zZmm.csv and
 PREFIXparticle_vz_zZmm.csv (x in mm, value); with none for the run's velocity, the run's own profiles are printed.
 --from, --to: part of the run's time to use (s). Prints the root mean square difference of every profile, with the
-standard error of the run's means from 8 batches, draws FOLDER/profiles.png, writes FOLDER/profiles.csv; ends with 0 if
+standard error of the run's means from 8 batches, and the drag against its law; draws FOLDER/profiles.png, writes FOLDER/profiles.csv; ends with 0 if
 every wanted figure was met.
 
 Both are folded about their middle: the measured ones at 21.2 mm, the run at 22 mm. Each measured point is compared, by
@@ -23,7 +23,9 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import drag_check  # noqa: E402
 import leg_tables  # noqa: E402
+from verdict import Verdict  # noqa: E402
 
 WIDTH, DEPTH, D_P = 44.0e-3, 10.0e-3, 1.2e-3     # as in.mueller_bed has them
 MEASURED_MIDDLE = 21.2e-3                        # of the measured profiles
@@ -188,6 +190,10 @@ def main():
             print(f"      {text}: no measured profile; standard error of the means {np.sqrt(np.mean(error**2)):.4f}")
         rows.append(row)
         lines += [f"{key[0]},{key[1]:g},{1e3 * c:.3f},{p:.5f},{e:.5f}" for c, p, e in zip(centres, profile, error)]
+    with h5py.File(os.path.join(a.folder, "bed.h5"), "r") as bed:
+        verdict = Verdict()
+        drag_check.check(bed, verdict)
+        failed += verdict.failed
     with open(os.path.join(a.folder, "profiles.csv"), "w") as f:
         f.write("\n".join(lines) + "\n")
     draw(os.path.join(a.folder, "profiles.png"), rows, f"{U:g} m/s, means from {begin:.1f} to {end:.1f} s; bars: one standard error")

@@ -1,5 +1,8 @@
 # For ../run. Ranks side by side, and behind each other from 4 on.
 title="round bed"
+what="a bubbling bed of 20,000 grains in a cylinder from an STL file"
+against="conservation; drag law; balance of forces; weight; Wen & Yu (1966), 30 %; symmetry"
+time_short="18 s" time_run="25 min" time_long="1 h" memory="?"
 second=py
 long="-var tend 5.0 -var tavg 1.0"
 # A thin bed, coarse cells: what needs a long mean is printed without a verdict.

@@ -12,6 +12,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import drag_check  # noqa: E402
 import picture_3d  # noqa: E402
 import plot_fields  # noqa: E402
 from verdict import Bed, Verdict, command_line, in_open_cells, ledgers, momentum, packed_fluidisation, save, usual_pictures  # noqa: E402
@@ -87,6 +88,7 @@ def main():
     bed, verdict = Bed(folder, D_P, RHO_P, DEM_STEP), Verdict()
     verdict.note(f"{bed.n:.0f} grains, {bed.inflow / SECTION:.3f} m/s, {bed.length:.2f} s, means from {bed.begin:.2f} s")
     ledgers(bed, verdict)
+    drag_check.check(bed.file, verdict)
     vessel(bed, verdict)
     in_open_cells(bed, verdict)
     forces(bed, verdict, short)

@@ -1,5 +1,8 @@
 # For ../run. Ranks side by side, and behind each other from 4 on.
 title="spouted cone"
+what="8000 grains in a cone over a nozzle, from an STL file"
+against="conservation; drag law; balance of forces; minimum spouting of Olazar et al. (1992), 30 %; symmetry"
+time_short="40 s" time_run="15 min" time_long="40 min" memory="?"
 second=py
 long="-var tend 4.0"
 # Coarse cells, soft contacts, fewer grains, all of it fast: what needs a long mean is printed without a verdict.

@@ -12,6 +12,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import drag_check  # noqa: E402
 import picture_3d  # noqa: E402
 import plot_fields  # noqa: E402
 from make_stl import BASE, FLOOR, HALF_ANGLE, HEIGHT, NOZZLE, SHOULDER, TOP, X0, Y0, radius  # noqa: E402
@@ -159,6 +160,7 @@ def main():
     bed, verdict = Cone(folder, (now[-1, 4] - now[0, 4]) / (now[-1, 0] - now[0, 0])), Verdict()
     verdict.note(f"{bed.n:.0f} grains, {bed.inflow / bed.nozzle:.2f} m/s in the nozzle, {bed.length:.2f} s, means from {bed.begin:.2f} s")
     ledgers(bed, verdict)
+    drag_check.check(bed.file, verdict)
     vessel(bed, verdict, short)
     in_open_cells(bed, verdict)
     forces(bed, verdict, short)

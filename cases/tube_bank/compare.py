@@ -12,6 +12,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import drag_check  # noqa: E402
 import leg_tables  # noqa: E402
 import picture_3d  # noqa: E402
 import plot_fields  # noqa: E402
@@ -133,6 +134,7 @@ def main():
     bed, verdict = Bed(folder, D_P, RHO_P, DEM_STEP), Verdict()
     verdict.note(f"{bed.n:.0f} grains, {bed.inflow / bed.section:.3f} m/s, {bed.length:.2f} s, means from {bed.begin:.2f} s")
     ledgers(bed, verdict)
+    drag_check.check(bed.file, verdict)
     tubes(bed, verdict, short)
     in_open_cells(bed, verdict)
     empty_bank(bed, verdict, folder)

@@ -1,0 +1,88 @@
+"""Drag on the grains of a frame, computed anew from the laws' papers and what the output file holds: positions and velocities of grains, void
+fraction, gas. It shares nothing with the program but the file.
+
+The gas that a grain reads is taken as the mean over its particle cell, or between these where the run reads so. The program holds what a grain
+reads over a coupling interval, and writes the gas at the interval's end: the sums agree to some 5 %, in a bed that is thrown up to 15 %.
+"""
+import numpy as np
+
+import plot_fields
+
+
+def ergun_wenyu(eps, Re):
+    """beta d^2/mu of Ergun (1952) and Wen & Yu (1966), joined by Deb & Tafti's arc tangent; Re = eps rho |u - v| d/mu."""
+    solid = 1 - eps
+    ergun = 150 * solid**2 / eps + 1.75 * solid * Re / eps
+    C_D = np.where(Re < 1000, 24 / np.maximum(Re, 1e-12) * (1 + 0.15 * Re**0.687), 0.44)
+    wen_yu = 0.75 * C_D * solid * Re * eps**-2.65
+    psi = np.arctan(150 * 1.75 * (0.2 - solid)) / np.pi + 0.5
+    return (1 - psi) * ergun + psi * wen_yu
+
+
+def beetstra(eps, Re):
+    """beta d^2/mu of Beetstra, van der Hoef & Kuipers (2007)."""
+    solid, Re = 1 - eps, np.maximum(Re, 1e-12)
+    F = 10 * solid / eps**2 + eps**2 * (1 + 1.5 * np.sqrt(solid))
+    F = F + 0.413 * Re / (24 * eps**2) * (1 / eps + 3 * eps * solid + 8.4 * Re**-0.343) / (1 + 10**(3 * solid) * Re**(-0.5 - 2 * solid))
+    return 18 * eps * solid * F
+
+
+LAWS = {"ergun/wenyu": ergun_wenyu, "beetstra": beetstra}
+
+
+def block_means(values, weights, ratio):
+    """Of a vector field on the fine cells over the particle cells."""
+    def sums(a):
+        shape = [n for size, r in zip(a.shape, ratio[::-1]) for n in (size // r, r)]
+        return a.reshape(*shape, *a.shape[3:]).sum(axis=(1, 3, 5))
+    return sums(values * weights[..., None]) / np.maximum(sums(weights), 1e-300)[..., None]
+
+
+def between(at, edges, values, smooth):
+    """values of cells at the positions: of the cell, or linearly between the cells' centres."""
+    if not smooth:
+        i = [np.clip(np.searchsorted(e, at[:, k]) - 1, 0, len(e) - 2) for k, e in enumerate(edges)]
+        return values[i[2], i[1], i[0]]
+    low, share = [], []
+    for k, e in enumerate(edges):
+        c = plot_fields.centres(e)
+        i = np.clip(np.searchsorted(c, at[:, k]) - 1, 0, max(len(c) - 2, 0))
+        low.append(i)
+        share.append(np.clip((at[:, k] - c[i]) / (c[i + 1] - c[i]), 0, 1) if len(c) > 1 else np.zeros(len(at)))
+    got = np.zeros((len(at), 3))
+    for corner in np.ndindex(2, 2, 2):
+        i = [np.minimum(low[k] + corner[k], len(edges[k]) - 2) for k in range(3)]
+        weight = np.prod([share[k] if corner[k] else 1 - share[k] for k in range(3)], axis=0)
+        got += weight[:, None] * values[i[2], i[1], i[0]]
+    return got
+
+
+def by_law(file, name):
+    """Vertical drag on all grains of a frame (N): as the law has it, as the program wrote it. None where that isn't known."""
+    record, settings = file["record"].attrs, file["record/settings"].attrs
+    said = lambda key: settings[key].decode() if isinstance(settings[key], bytes) else str(settings[key])
+    law, read = LAWS.get(said("drag")), said("read").split(" (")[0]
+    if law is None or read not in ("cell", "trilinear") or "u" not in file["fluid"][name] or name not in file.get("particles", ()):
+        return None
+    x, y, z = plot_fields.nodes(file)
+    volume = np.diff(z)[:, None, None] * np.diff(y)[:, None] * np.diff(x)
+    theta = plot_fields.open_share(file)
+    u = block_means(file["fluid"][name]["u"][:], volume if theta is None else volume * theta, record["ratio"])
+    grains = file["particles"][name]
+    d, eps = 2 * grains["radius"][:], grains["eps"][:]
+    slip = between(grains["position"][:], plot_fields.nodes(file, "particle_grid"), u, read == "trilinear") - grains["velocity"][:]
+    mu = float(record["viscosity"])
+    Re = eps * float(record["density"]) * np.linalg.norm(slip, axis=1) * d / mu
+    b = law(eps, Re) * mu * np.pi / 6 * d / (1 - eps) / (eps if said("formulation") == "B" else 1)
+    return np.sum(b * slip[:, 2]), np.sum(grains["drag"][:, 2])
+
+
+def check(file, verdict, bound=0.2):
+    """The vertical drag, summed over some 20 frames, against the law's."""
+    names = plot_fields.frames(file)[1:]
+    pairs = [p for p in (by_law(file, n) for n in names[::1 + len(names) // 20]) if p]
+    if not pairs:
+        verdict.note("drag: not computed anew (a law or a way of reading that this script doesn't know, or no frames with u and particles)")
+        return
+    law, written = np.sum(pairs, axis=0)
+    verdict(abs(written / law - 1) <= bound, f"vertical drag on the grains of {len(pairs)} frames: {written / law:.3f} of what the law gives at the mean gas of their cells (wanted 1 +- {bound:g})")
