@@ -4,6 +4,7 @@ fluidisation, statistics of series that are correlated in time, pictures.
 A bed's script writes bed.h5 with faces and means, and two tables at the same steps: now.txt (step, vertical momentum of the grains, number of
 grains, top of the grains, f_ID[1], f_ID[5] to f_ID[9], more) and mean.txt (step, f_ID[4], vertical forces).
 """
+import json
 import os
 import sys
 
@@ -202,6 +203,15 @@ def usual_pictures(bed, heights, top=None, depth=None):
     which = np.linspace(len(bed.frames) // 3, len(bed.frames) - 1, 3).astype(int)
     return {"mean_void_fraction": plot_fields.mean_void_fraction(bed.file, depth=depth, top=top), "snapshots": plot_fields.snapshots(bed.file, which, top=top),
             "profiles": plot_fields.profiles(bed.file, heights), "pressure": plot_fields.pressure_profile(bed.file)}
+
+
+def save_compared(folder, curves):
+    """Curves for report.py as folder/compared.json: each a dict with title, x_label, y_label, x, mean, error (standard error, or None) and references,
+    dicts with label, x, y, perhaps line=True and tolerance."""
+    plain = lambda v: np.asarray(v, dtype=float).tolist() if isinstance(v, (list, tuple, np.ndarray)) else v
+    dump = [{**{k: plain(v) for k, v in c.items() if k != "references"}, "references": [{k: plain(v) for k, v in r.items()} for r in c.get("references", [])]} for c in curves]
+    with open(os.path.join(folder, "compared.json"), "w") as f:
+        json.dump(dump, f)
 
 
 def save(pictures, folder):

@@ -4,6 +4,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 cases/setup.sh valgrind  # instruction counts
+cases/setup.sh chromium || echo "tests: without chromium the pages of cases/report.py are read by a parser only"
 cases/build.sh
 cores=$(nproc)
 # A test that uses more ranks than there are cores runs alone (ctest's PROCESSORS).

@@ -13,7 +13,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import leg_tables  # noqa: E402
-from verdict import G, Verdict  # noqa: E402
+from verdict import G, Verdict, save_compared  # noqa: E402
 
 # As in.fluidisation_curve has it.
 RHO_F, MU, RHO_P, WIDTH = 1.2, 1.8e-5, 1000.0, 6.0e-3
@@ -77,10 +77,12 @@ def measure(folder):
     Umf = velocity_at(weight, a, b)
     at_rest = [(x, r) for s, x, r in beds if step[fixed].min() <= s <= step[fixed].max()]
     ergun = np.mean([ergun_velocity(x, r, weight) for x, r in at_rest])
+    slices = [void_fractions(x, r) for x, r in at_rest]
+    line = np.mean([[height * sum(f) for f in ergun_factors(e, 2 * radius.mean())] for e, height in slices], axis=0)
     eps = np.mean(np.concatenate([void_fractions(x, r)[0][2:-3] for x, r in at_rest]))
     middle = velocity_at((1 - eps) * (RHO_P - RHO_F) * G, *ergun_factors(eps, 2 * radius.mean()))
     return dict(U=U, dp=dp, falling=falling, a=a, b=b, weight=weight, Umf=Umf, eps=eps, ergun=ergun, middle=middle,
-                plateau=dp[falling & (U > 1.03 * Umf)], particles=len(radius), beds=len(at_rest))
+                plateau=dp[falling & (U > 1.03 * Umf)], line=line, particles=len(radius), beds=len(at_rest))
 
 
 def draw(m, path):
@@ -122,6 +124,12 @@ def main():
     error = m["Umf"] / m["ergun"] - 1
     verdict(abs(error) <= TOLERANCE, f"minimum fluidisation {m['Umf']:.4f} m/s, Ergun over the bed's own void fractions "
             f"{m['ergun']:.4f} m/s: {100 * error:+.2f} % (wanted within {100 * TOLERANCE:.0f} %)")
+    U = np.linspace(0, m["ergun"], 40)
+    order = np.argsort(m["U"][m["falling"]])
+    save_compared(options.folder, [dict(title="Pressure drop while the gas is turned down", x_label="superficial gas velocity / (m/s)", y_label="pressure drop / Pa",
+                                        x=m["U"][m["falling"]][order], mean=m["dp"][m["falling"]][order], error=None, references=[
+                                            dict(label="Ergun, the bed's void fractions", x=U, y=m["line"][0] * U + m["line"][1] * U**2, line=True),
+                                            dict(label="weight / area", x=[m["ergun"], m["U"].max()], y=2 * [m["weight"]], line=True)])])
     if not options.no_picture:
         path = os.path.join(options.folder, "fluidisation_curve.png")
         draw(m, path)

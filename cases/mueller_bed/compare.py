@@ -25,7 +25,7 @@ import numpy as np
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import drag_check  # noqa: E402
 import leg_tables  # noqa: E402
-from verdict import Verdict  # noqa: E402
+from verdict import Verdict, save_compared  # noqa: E402
 
 WIDTH, DEPTH, D_P = 44.0e-3, 10.0e-3, 1.2e-3     # as in.mueller_bed has them
 MEASURED_MIDDLE = 21.2e-3                        # of the measured profiles
@@ -196,6 +196,10 @@ def main():
         failed += verdict.failed
     with open(os.path.join(a.folder, "profiles.csv"), "w") as f:
         f.write("\n".join(lines) + "\n")
+    words = {"void_fraction": "void fraction", "particle_vz": "vertical velocity of grains / (m/s)"}
+    save_compared(a.folder, [dict(title=f"{words[r['key'][0]].split(' / ')[0].capitalize()} {r['key'][1]:g} mm above the floor, folded about the middle", x_label="distance from the middle / mm",
+                                  y_label=words[r["key"][0]], x=1e3 * r["centres"], mean=r["profile"], error=r["error"], references=[] if r["measured"] is None else
+                                  [dict(label="measured (Mueller et al. 2009)", x=1e3 * r["distance"], y=r["measured"])]) for r in rows])
     draw(os.path.join(a.folder, "profiles.png"), rows, f"{U:g} m/s, means from {begin:.1f} to {end:.1f} s; bars: one standard error")
     print("picture: " + os.path.join(a.folder, "profiles.png"))
     sys.exit(1 if failed and not a.no_verdict else 0)

@@ -102,10 +102,10 @@ class Run:
 
 
 def run_case(name, executable, ranks, out, *words):
-    """cases/run NAME with this program in its short mode, results in the folder out; what it printed, with its code."""
+    """cases/run NAME with this program in its short mode, results in the folder out, without its report; what it printed, with its code."""
     top = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
     done = subprocess.run([os.path.join(top, "cases", "run"), name, "--short", "--ranks", str(ranks), "--out", out, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          text=True, errors="replace", env={**os.environ, "TWOGRID": os.path.abspath(executable)})
+                          text=True, errors="replace", env={**os.environ, "TWOGRID": os.path.abspath(executable), "TWOGRID_NO_REPORT": "1"})
     print(done.stdout, flush=True)
     return done
 

@@ -1,0 +1,125 @@
+"""An animated picture (WebP) of grains and gas: grains true to size, coloured by their vertical velocity; beside or below it the gas's velocity."""
+import io
+import os
+
+import matplotlib
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+import plot_fields
+
+FRAMES = 40          # at most
+WIDTH, HEIGHT = 720, 900   # of the picture at most, pixels
+SOLID = tuple(int(plot_fields.SOLID[i:i + 2], 16) for i in (1, 3, 5))
+
+
+def font(size):
+    return ImageFont.truetype(os.path.join(matplotlib.get_data_path(), "fonts", "ttf", "DejaVuSans.ttf"), size)
+
+
+def colours(values, low, high, name):
+    """RGB of values in a colour map."""
+    return (matplotlib.cm.get_cmap(name)(np.clip((values - low) / (high - low), 0, 1))[..., :3] * 255).astype(np.uint8)
+
+
+class View:
+    """What is drawn: the plane, its part with something in it, its size in pixels."""
+
+    def __init__(self, file, names):
+        self.across, self.along = plot_fields.view(file)
+        self.edges = plot_fields.nodes(file)
+        a, z = self.edges[self.across], self.edges[2]
+        top = max((float(file["particles"][n]["position"][:, 2].max()) for n in names if n in file.get("particles", ()) and len(file["particles"][n]["position"])), default=z[-1])
+        self.lo, self.hi = (a[0], z[0]), (a[-1], min(z[-1], z[0] + 1.2 * (top - z[0])))
+        self.depth = 0.5 * (self.edges[self.along][0] + self.edges[self.along][-1])
+        self.beside = (self.hi[1] - self.lo[1]) > 0.8 * (self.hi[0] - self.lo[0])
+        w, h = (WIDTH - 12) / 2 if self.beside else WIDTH, HEIGHT if self.beside else (HEIGHT - 12) / 2
+        self.scale = min(w / (self.hi[0] - self.lo[0]), h / (self.hi[1] - self.lo[1]))  # pixels a metre
+        self.shape = tuple(int(round((self.hi[k] - self.lo[k]) * self.scale)) for k in (1, 0))
+
+    def cells(self, values):
+        """Cell values of the plane, an entry a pixel, top row first."""
+        at = [self.lo[k] + (np.arange(self.shape[1 - k]) + 0.5) / self.scale for k in (0, 1)]
+        i = [np.clip(np.searchsorted(e, p) - 1, 0, len(e) - 2) for e, p in zip((self.edges[self.across], self.edges[2]), at)]
+        return values[np.ix_(i[1], i[0])][::-1]
+
+
+def grains(view, picture, x, radius, colour):
+    """Discs, those nearer to the eye over the others, shaded towards their rim."""
+    order = np.argsort(-x[:, view.along])
+    at = (x[order][:, [view.across, 2]] - view.lo) * view.scale
+    r = np.maximum(radius[order] * view.scale, 0.7)
+    reach = int(np.ceil(r.max()))
+    dy, dx = np.mgrid[-reach:reach + 1, -reach:reach + 1].reshape(2, -1)
+    column, row = np.floor(at[:, :1]).astype(int) + dx, np.floor(at[:, 1:]).astype(int) + dy
+    off = ((column + 0.5 - at[:, :1])**2 + (row + 0.5 - at[:, 1:])**2) / r[:, None]**2
+    inside = (off <= 1) & (column >= 0) & (column < view.shape[1]) & (row >= 0) & (row < view.shape[0])
+    which = np.broadcast_to(np.arange(len(r))[:, None], off.shape)[inside]  # the last one that is written to a pixel holds
+    pixel = ((view.shape[0] - 1 - row) * view.shape[1] + column)[inside]
+    flat = picture.reshape(-1, 3)
+    flat[pixel] = (colour[order][which] * (1 - 0.35 * off[inside])[:, None]).astype(np.uint8)
+
+
+def frame(file, name, view, fastest, fastest_gas, theta):
+    """The two pictures of one frame."""
+    solid = None if theta is None else view.cells(plot_fields.plane(theta, view.edges, view.along, view.depth)) == 0
+    left = np.full((*view.shape, 3), 255, np.uint8)
+    if "u" in file["fluid"][name]:
+        gas = view.cells(np.asarray(plot_fields.plane(file["fluid"][name]["u"][..., 2], view.edges, view.along, view.depth)))
+        right = colours(gas, 0, fastest_gas, "viridis")
+    else:
+        gas = view.cells(np.asarray(plot_fields.plane(file["fluid"][name]["eps"][:], view.edges, view.along, view.depth)))
+        right = colours(gas, 0.4, 1, "viridis")
+    if solid is not None:
+        left[solid] = right[solid] = SOLID
+    if name in file.get("particles", ()) and len(file["particles"][name]["position"]):
+        p = file["particles"][name]
+        x, v = p["position"][:], p["velocity"][:, 2]
+        # In a deep bed what lies before the middle would hide the rest.
+        keep = x[:, view.along] >= view.depth if np.ptp(view.edges[view.along]) > 16 * p["radius"][:].mean() else slice(None)
+        if len(x[keep]):
+            grains(view, left, x[keep], p["radius"][:][keep], colours(v[keep], -fastest, fastest, "coolwarm"))
+    return left, right
+
+
+def scale_bar(view):
+    """A round length of about a fourth of the width: metres, text."""
+    quarter = 0.25e3 * (view.hi[0] - view.lo[0])
+    power = 10 ** np.floor(np.log10(quarter))
+    mm = max(m * power for m in (1, 2, 5) if m * power <= quarter)
+    return mm / 1e3, f"{mm:g} mm"
+
+
+def animate(file, names):
+    """WebP data, width, height (pixels) of all frames, a still of the last, a list of (what, colour map, low, high) for the legends."""
+    names = [names[i] for i in sorted({int(i) for i in np.linspace(0, len(names) - 1, min(FRAMES, len(names)))})]
+    view, theta = View(file, names), plot_fields.open_share(file)
+    has_u = all("u" in file["fluid"][n] for n in names)
+    with_grains = [n for n in names if n in file.get("particles", ()) and len(file["particles"][n]["position"])]
+    fastest = max((np.percentile(np.abs(file["particles"][n]["velocity"][:, 2]), 99) for n in with_grains), default=0) or 1.0
+    fastest_gas = max((np.percentile(file["fluid"][n]["u"][..., 2], 99.5) for n in names), default=0) if has_u else 1.0
+    fastest_gas = fastest_gas if fastest_gas > 0 else 1.0
+    h, w = view.shape
+    head, gap = 34, 12
+    size = (2 * w + gap, h + head) if view.beside else (w, 2 * (h + head))
+    length, label = scale_bar(view)
+    big, pictures = font(22), []
+    for name in names:
+        canvas = Image.new("RGB", size, "white")
+        draw = ImageDraw.Draw(canvas)
+        places = ((0, head), (w + gap, head)) if view.beside else ((0, head), (0, h + 2 * head))
+        for place, part in zip(places, frame(file, name, view, fastest, fastest_gas, theta)):
+            canvas.paste(Image.fromarray(part), place)
+            draw.rectangle((place[0], place[1], place[0] + w - 1, place[1] + h - 1), outline=(150, 150, 150))
+        draw.text((2, 4), f"t = {float(file['fluid'][name]['time'][()]):.3f} s", fill="black", font=big)
+        x0, y0 = (places[1][0] + 4, 22) if view.beside else (w - 150 if w > 320 else w // 2, 22)
+        draw.line((x0, y0, x0 + length * view.scale, y0), fill="black", width=4)
+        draw.text((x0 + length * view.scale + 8, 4), label, fill="black", font=big)
+        pictures.append(canvas)
+    out = io.BytesIO()
+    pictures[0].save(out, "WEBP", save_all=True, append_images=pictures[1:], duration=[120] * (len(pictures) - 1) + [900], loop=0, quality=55, method=2)
+    legends = [("grains, vertical velocity (m/s)", "coolwarm", -fastest, fastest)] if with_grains else []
+    legends.append(("gas, vertical velocity (m/s)", "viridis", 0, fastest_gas) if has_u else ("void fraction", "viridis", 0.4, 1))
+    where = f"cut at {'xy'[view.along]} = {1e3 * view.depth:.1f} mm"
+    deep = with_grains and np.ptp(view.edges[view.along]) > 16 * file["particles"][with_grains[0]]["radius"][:].mean()
+    return out.getvalue(), size, len(names), legends, where, deep, view.beside

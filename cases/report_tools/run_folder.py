@@ -1,0 +1,176 @@
+"""What a run has left in its folder: log, status.json, output file, tables of fix ave/time, the comparison's verdict. Any of it may lack."""
+import glob
+import json
+import os
+import re
+
+import h5py
+import numpy as np
+
+import leg_tables
+
+
+def text_of(path):
+    try:
+        with open(path, errors="replace") as f:
+            return f.read()
+    except OSError:
+        return ""
+
+
+def is_log(path):
+    return "LIGGGHTS (Version" in text_of(path)[:2000]
+
+
+class RunFolder:
+    def __init__(self, folder):
+        self.folder = os.path.abspath(folder)
+        self.log_name = self.find_log()
+        self.log = text_of(self.path(self.log_name)) if self.log_name else ""
+        self.status = self.read_json("status.json") or next((s for s in map(self.read_json, sorted(self.names("*.status.json"))) if s), {})
+        self.verdict = text_of(self.path("verdict.txt"))
+        self.compared = self.read_json("compared.json") or []
+        self.scenes = scenes(self.log)
+        self.scene = self.scenes[-1] if self.scenes else None
+        self.problems = []  # what is there and can't be read
+        self.output_name, self.output = self.open_output()
+        self.frames = sorted(self.output["fluid"]) if self.output and "fluid" in self.output else []
+        self.fix = self.scene["fix"] if self.scene else "gas"
+
+    # ---- files ----------------------------------------------------------------------------------------------------------
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def names(self, pattern):
+        return [os.path.basename(p) for p in glob.glob(os.path.join(glob.escape(self.folder), pattern))]
+
+    def find_log(self):
+        """log.liggghts, else the newest file that begins as LIGGGHTS' logs do."""
+        candidates = {"log.liggghts", *self.names("log.*"), *self.names("*.log")}
+        logs = [n for n in candidates if os.path.isfile(self.path(n)) and is_log(self.path(n)) and not re.search(r"\.\d+$", n)]
+        return max(logs, key=lambda n: (n == "log.liggghts", os.path.getmtime(self.path(n))), default=None)
+
+    def read_json(self, name):
+        try:
+            return json.loads(text_of(self.path(name)))
+        except ValueError:
+            return None
+
+    def open_output(self):
+        """The output file that is newest of those with frames or means."""
+        best = (None, None)
+        for name in sorted(self.names("*.h5"), key=lambda n: os.path.getmtime(self.path(n))):
+            try:
+                file = h5py.File(self.path(name), "r")
+                if "record" in file and "grid" in file:
+                    best = (name, file)
+            except OSError as error:
+                self.problems.append(f"{name} can't be read: {str(error).split('(')[0].strip() or error}")
+        return best
+
+    # ---- the script -------------------------------------------------------------------------------------------------------
+
+    def record(self, key, default=""):
+        value = self.output["record"].attrs.get(key, default) if self.output else default
+        return value.decode() if isinstance(value, bytes) else value
+
+    def setting(self, key, default=""):
+        if not self.output or "settings" not in self.output["record"]:
+            return default
+        value = self.output["record/settings"].attrs.get(key, default)
+        return value.decode() if isinstance(value, bytes) else str(value)
+
+    def title(self):
+        match = re.search(r"-in(?:put)?\s+(\S+)", str(self.record("command_line")))
+        return os.path.basename(match.group(1)) if match else os.path.basename(self.folder)
+
+    def time_step(self):
+        found = re.findall(r"^timestep\s+([0-9.eE+-]+)\s*$", self.log, re.M)
+        return float(found[-1]) if found else None
+
+    def time_of(self, step):
+        """Fluid time of DEM steps (s), by a frame's; None where the time step isn't known."""
+        dt = self.time_step()
+        if dt is None:
+            return None
+        time, at = 0.0, 0.0
+        if self.frames:
+            frame = self.output["fluid"][self.frames[0]]
+            time, at = float(frame["time"][()]), float(frame["step"][()])
+        return time + (np.asarray(step, dtype=float) - at) * dt
+
+    # ---- tables -----------------------------------------------------------------------------------------------------------
+
+    def tables(self):
+        """Tables of fix ave/time in the folder: name, names of the columns, rows."""
+        for name in sorted(self.names("*.txt")):
+            head = text_of(self.path(name))[:4000].split("\n")
+            if not head[0].startswith("# Time-averaged data") or len(head) < 2:
+                continue
+            try:
+                rows = leg_tables.table(self.path(name))
+            except (ValueError, OSError):
+                continue
+            columns = head[1].lstrip("# ").split()
+            if rows.ndim == 2 and rows.shape[0] and rows.shape[1] == len(columns):
+                yield name, columns, rows
+
+    def thermo(self):
+        """LIGGGHTS' table of the last runs with one header: column: values."""
+        names, rows = None, []
+        for line in self.log.split("\n"):
+            words = line.split()
+            if words[:1] == ["Step"]:
+                names, rows = words, rows if words == names else []
+            elif names and len(words) == len(names) and words[0].isdigit():
+                try:
+                    rows.append([float(w) for w in words])
+                except ValueError:
+                    pass
+        return dict(zip(names, np.array(rows).T)) if rows else {}
+
+    def series(self, i):
+        """f_ID[i] over the steps, from the table that has most rows of it, else from LIGGGHTS' table: where from, steps, values; None."""
+        best = max(((name, rows[:, 0], rows[:, columns.index(f"f_{self.fix}[{i}]")]) for name, columns, rows in self.tables() if f"f_{self.fix}[{i}]" in columns),
+                   key=lambda t: len(t[1]), default=None)
+        if best:
+            return best
+        thermo = self.thermo()
+        for column in (f"{self.fix}[{i}]", f"f_{self.fix}[{i}]"):
+            if column in thermo:
+                return "LIGGGHTS' table in the log", thermo["Step"], thermo[column]
+        return None
+
+    def costs(self):
+        """Shares of CPU time of each part, over all runs that the log tells of, and those runs' seconds."""
+        parts, total = {}, 0.0
+        for duration, shares in re.findall(r"^twogrid: run of (.+?); shares of CPU time: (.+)$", self.log, re.M):
+            s = seconds(duration)
+            total += s
+            for part, share in re.findall(r"([A-Za-z ]+?) ([\d.]+) %", shares):
+                parts[part.strip()] = parts.get(part.strip(), 0.0) + s * float(share)
+        return {k: v / total for k, v in parts.items()} if total else {}, total
+
+
+def seconds(text):
+    """of 3 h 2 min 4.5 s"""
+    return sum(float(n) * {"d": 86400, "h": 3600, "min": 60, "s": 1}[u] for n, u in re.findall(r"([\d.]+) (d|h|min|s)\b", text))
+
+
+def scenes(log):
+    """Scene reports in the log: the fix, pairs of what and value, warnings."""
+    found, at = [], None
+    for line in log.split("\n"):
+        match = re.match(r"twogrid: the scene of fix (\S+)", line)
+        if match:
+            at = dict(fix=match.group(1), pairs=[], warnings=[])
+            found.append(at)
+        elif at and line.startswith("  WARNING: "):
+            at["warnings"].append(line[11:])
+        elif at and re.match(r"  \S", line):
+            words = re.split(r"\s{2,}", line.strip(), maxsplit=1)
+            at["pairs"].append((words[0], words[1]) if len(words) == 2 else (line[2:24].strip(), line[24:].strip()))
+        else:
+            at = None
+    return found

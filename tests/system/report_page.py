@@ -1,0 +1,195 @@
+#!/usr/bin/python3
+"""cases/report.py: the page of a whole run, of a log alone, of a damaged and a bare output file; in headless Chromium where there is one.
+
+Without this test a page could lack a section in silence, show broken or empty pictures, want the network, be wider than a phone, say PASS for
+a check that failed, draw a wrong frequency or a wrong share of the cost, or not come about at all for a run that was killed. Wanted values:
+what the run's own files say, and a sine of known frequency. Without Chromium (tests/run.sh installs it) the page is read by Python's parser only.
+
+    report_page.py EXECUTABLE RANKS
+"""
+import base64
+import html.parser
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+from PIL import Image
+
+import browser
+from harness import Checks, arguments
+
+CASES = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cases"))
+sys.path.insert(0, CASES)
+import report  # noqa: E402
+from report_tools import figures  # noqa: E402
+from report_tools.run_folder import RunFolder  # noqa: E402
+
+SECTIONS = ["head", "verdict", "movie", "setup", "compared", "fields", "profiles", "pressure", "ledger", "cost", "not-modelled", "scene", "origin"]
+
+
+class Page(html.parser.HTMLParser):
+    """Text and pictures of each section, and all that the page would fetch."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.sections, self.at, self.pictures, self.fetched, self.open = {}, None, {}, [], []
+        with open(path, encoding="utf-8") as f:
+            self.raw = f.read()
+        self.feed(self.raw)
+
+    def handle_starttag(self, tag, attributes):
+        a = dict(attributes)
+        if tag == "section":
+            self.at = a["id"]
+            self.sections[self.at], self.pictures[self.at] = "", []
+        if tag == "img":
+            self.pictures[self.at].append(a["src"])
+        self.fetched += [v for k, v in attributes if k in ("src", "href", "srcset") and not v.startswith(("data:", "#"))]
+        if tag not in ("img", "br", "meta", "link"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.fetched.append(f"</{tag}> out of place")
+
+    def handle_data(self, data):
+        if self.at:
+            self.sections[self.at] += data + " "
+
+
+def page_of(folder):
+    """As report.py makes it; what could not be drawn is a failure."""
+    text, failed = report.report(RunFolder(folder))
+    path = os.path.join(folder, "report.html")
+    with open(path, "w", encoding="utf-8") as f:
+        f.write(text)
+    return Page(path), failed
+
+
+def whole_run(c, executable, out):
+    done = subprocess.run([os.path.join(CASES, "run"), "first_bed", "--short", "--ranks", "1", "--out", out, "-var", "settle", "1500", "-var", "tend", "0.045"], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, errors="replace", env={**os.environ, "TWOGRID": os.path.abspath(executable)}, timeout=100)
+    last = done.stdout.strip().split("\n")[-1]
+    if not c.true(f"a case's run ends with {last}", done.returncode == 0 and last == f"report: {os.path.join(out, 'report.html')}"):
+        print(done.stdout[-3000:])
+        c.end()
+    page = Page(os.path.join(out, "report.html"))
+    c.true(f"sections: {len(page.sections)}, tags closed, nothing is fetched {page.fetched[:3]}", list(page.sections) == SECTIONS and not page.fetched and not page.open and "<script" not in page.raw)
+    pictures = {s: [Image.open(io.BytesIO(base64.b64decode(p.split(",")[1]))) for p in v] for s, v in page.pictures.items()}
+    c.true("pictures: " + ", ".join(f"{s} {len(v)}" for s, v in pictures.items() if v), [len(pictures[s]) for s in ("movie", "setup", "fields", "profiles", "pressure")] == [1, 1, 3, 3, 2])
+    c.true("none is of one colour", all(np.ptp(np.asarray(p.convert("L"))) > 100 for v in pictures.values() for p in v))
+    film = pictures["movie"][0]
+    frames = []
+    for i in range(getattr(film, "n_frames", 1)):
+        film.seek(i)
+        frames.append(np.asarray(film.convert("L"), dtype=float))
+    moved = [np.mean(np.abs(b - a) > 40) for a, b in zip(frames, frames[1:])]
+    c.true(f"the movie has {len(frames)} frames (wanted: 4), pixels that change {', '.join(f'{100 * m:.1f}' for m in moved)} %", len(frames) == 4 and min(moved) > 0.005)
+    with open(os.path.join(out, "verdict.txt")) as f:
+        passed = f.read().count("PASS")
+    c.true(f"verdict: {passed} times PASS, as in verdict.txt", page.sections["verdict"].count("PASS") == passed >= 5)
+    with open(os.path.join(out, "log.liggghts"), errors="replace") as f:
+        log = f.read()
+    share = re.search(r"shares of CPU time: DEM ([\d.]+) %", log).group(1)
+    c.true(f"cost: DEM {share} %, as in the log", re.search(rf"DEM +{share} %", page.sections["cost"]))
+    c.true("what was not modelled", "turbulence" in page.sections["not-modelled"] and "particle cells" in page.sections["not-modelled"])
+    with open(os.path.join(out, "status.json")) as f:
+        book = json.load(f)["ledger"]
+    c.true("ledger, as in status.json", f"{book['continuity_error']:.2g}" in page.sections["ledger"])
+    return page
+
+
+def frequency_and_failure(c, run, scratch):
+    """A sine of 80 Hz in place of the pressure, a check that failed, a run that is said to have ended in an error."""
+    other = os.path.join(scratch, "other")
+    shutil.copytree(run, other)
+    path = os.path.join(other, "pressure.txt")
+    table = np.loadtxt(path)
+    t = (table[:, 0] - table[0, 0]) * 1.5e-5
+    with open(path, "w") as f:
+        f.write("# Time-averaged data for fix drop\n# TimeStep f_gas[4]\n")
+        f.writelines(f"{s:.0f} {100 + 7 * np.sin(2 * np.pi * 160 * x):.9g}\n" for s, x in zip(table[:, 0], t))
+    with open(os.path.join(other, "verdict.txt"), "a") as f:
+        f.write("FAIL  a thing: 3 <b> & 4 (wanted 5)\n")
+    with open(os.path.join(other, "status.json")) as f:
+        status = json.load(f)
+    status.update(state="error", error="a sentence of the program")
+    with open(os.path.join(other, "status.json"), "w") as f:
+        json.dump(status, f)
+    page, _ = page_of(other)
+    found = re.findall(r"resolution ([\d.]+) Hz", page.sections["pressure"])
+    c.true(f"of a failed run: its sentence, its verdict; {found}", "a sentence of the program" in page.sections["head"] and "3 <b> & 4" in page.sections["verdict"] and
+           page.sections["verdict"].count("FAIL") == 1)
+    f, power, _ = figures.spectrum(100 + 7 * np.sin(2 * np.pi * 160 * 7.5e-4 * np.arange(600)), 7.5e-4)
+    c.below("spectrum of a sine of 160 Hz: its frequency, in resolutions", abs(f[np.argmax(power)] - 160) / f[0], 1)
+    c.below("its power against 7^2/2, relative", abs(np.sum(power) * f[0] / 24.5 - 1), 0.05)
+
+
+def little(c, run, scratch):
+    """A log alone; an output file cut in two; one without frames or means; nothing."""
+    folder = os.path.join(scratch, "log only")
+    os.mkdir(folder)
+    shutil.copy(os.path.join(run, "log.liggghts"), os.path.join(folder, "log.of_a_run"))
+    page, failed = page_of(folder)
+    texts = page.sections
+    c.true(f"a log alone {failed}", not failed and list(texts) == SECTIONS and all("No " in texts[s] for s in ("verdict", "movie", "setup", "fields", "profiles")) and
+           "Ergun" in texts["scene"] and "DEM" in texts["cost"] and "turbulence" in texts["not-modelled"] and len(page.pictures["pressure"]) == 1)
+    with open(os.path.join(run, "first_bed.h5"), "rb") as f:
+        data = f.read()
+    for name, part in (("cut in two", data[:len(data) // 2]), ("empty", b"")):
+        with open(os.path.join(folder, "first_bed.h5"), "wb") as f:
+            f.write(part)
+        page, failed = page_of(folder)
+        c.true(f"an output file that is {name} {failed}", not failed and ("can't be read" in page.sections["head"]) and "turbulence" in page.sections["not-modelled"])
+    os.remove(os.path.join(folder, "first_bed.h5"))
+    for what in (["average", "particles"], ["fluid", "particles"], ["fluid", "particles", "average"]):
+        shutil.copy(os.path.join(run, "first_bed.h5"), os.path.join(folder, "first_bed.h5"))
+        with h5py.File(os.path.join(folder, "first_bed.h5"), "r+") as f:
+            for group in what:
+                del f[group]
+        page, failed = page_of(folder)
+        c.true(f"without {', '.join(what)} {failed}: {len(page.pictures['setup'])} picture of the set-up", not failed and len(page.pictures["setup"]) == 1)
+        os.remove(os.path.join(folder, "first_bed.h5"))
+    os.remove(os.path.join(folder, "log.of_a_run"))
+    done = subprocess.run([os.path.join(CASES, "report.py"), folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=100)
+    c.true(f"nothing: {done.stdout.strip()}", done.returncode == 1 and "neither a log nor an output file" in done.stdout and "Traceback" not in done.stdout)
+
+
+def in_browser(c, pages):
+    if not browser.program():
+        c.note("no Chromium here: not looked at in one")
+        return
+    with browser.Browser() as b:
+        for path in pages:
+            for width, height in ((390, 844), (1280, 900)):
+                said, asked = b.open(path, width, height)
+                wide = b.evaluate("document.documentElement.scrollWidth")
+                broken = b.evaluate("[...document.images].filter(i => !(i.complete && i.naturalWidth > 0 && i.getBoundingClientRect().width > 50)).length")
+                n = b.evaluate("document.images.length")
+                small = b.evaluate("[...document.querySelectorAll('p,td,th,li,figcaption,span,b')].filter(e => parseFloat(getComputedStyle(e).fontSize) < 12).length")
+                c.true(f"{os.path.basename(os.path.dirname(path))} at {width} pixels: {n} pictures, {broken} broken, {wide} wide, {small} texts below 12 pixels, console {said}, network {asked}",
+                       wide <= width and broken == 0 and small == 0 and not said and not asked)
+
+
+def main():
+    executable, _ = arguments()
+    c = Checks("the report of a run")
+    with tempfile.TemporaryDirectory(prefix="twogrid_report_") as scratch:
+        run = os.path.join(scratch, "run")
+        whole_run(c, executable, run)
+        frequency_and_failure(c, run, scratch)
+        little_page = os.path.join(scratch, "log only", "report.html")
+        little(c, run, scratch)
+        in_browser(c, [os.path.join(run, "report.html"), os.path.join(scratch, "other", "report.html"), little_page])
+    c.end()
+
+
+if __name__ == "__main__":
+    main()
