@@ -2,7 +2,7 @@
 title="round bed"
 what="a bubbling bed of 20,000 grains in a cylinder from an STL file"
 against="conservation; drag law; balance of forces; weight; Wen & Yu (1966), 30 %; symmetry"
-time_short="18 s" time_run="25 min" time_long="1 h" memory="?"
+time_short="18 s" time_run="25 min" time_long="1 h" memory="250 MB"
 second=py
 long="-var tend 5.0 -var tavg 1.0"
 # A thin bed, coarse cells: what needs a long mean is printed without a verdict.

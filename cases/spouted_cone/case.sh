@@ -2,7 +2,7 @@
 title="spouted cone"
 what="8000 grains in a cone over a nozzle, from an STL file"
 against="conservation; drag law; balance of forces; minimum spouting of Olazar et al. (1992), 30 %; symmetry"
-time_short="40 s" time_run="15 min" time_long="40 min" memory="?"
+time_short="40 s" time_run="15 min" time_long="40 min" memory="150 MB"
 second=py
 long="-var tend 4.0"
 # Coarse cells, soft contacts, fewer grains, all of it fast: what needs a long mean is printed without a verdict.

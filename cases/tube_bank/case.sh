@@ -2,7 +2,7 @@
 title="tube bank"
 what="a bubbling bed of 11,000 grains around eight tubes; before it gas through a closer bank"
 against="conservation; drag law; balance of forces; Bergelin et al. (1950), 25 %; Wen & Yu (1966), 30 %; symmetry"
-time_short="30 s" time_run="15 min" time_long="45 min" memory="?"
+time_short="30 s" time_run="15 min" time_long="45 min" memory="140 MB"
 second=pz
 long="-var tend 6.0 -var tavg 1.0"
 # Fewer grains, coarse cells.
