@@ -15,6 +15,7 @@ import leg_tables
 import plot_fields
 
 G = 9.81
+NO_PICTURES = "TWOGRID_NO_PICTURES" in os.environ  # verdicts only
 
 
 class Verdict:
@@ -200,6 +201,8 @@ def packed_fluidisation(bed, levels, steps, load):
 
 def usual_pictures(bed, heights, top=None, depth=None):
     """Mean void fraction (over the depth, or at `depth`), three snapshots, profiles at heights, pressure; up to `top` (m)."""
+    if NO_PICTURES:
+        return {}
     which = np.linspace(len(bed.frames) // 3, len(bed.frames) - 1, 3).astype(int)
     return {"mean_void_fraction": plot_fields.mean_void_fraction(bed.file, depth=depth, top=top), "snapshots": plot_fields.snapshots(bed.file, which, top=top),
             "profiles": plot_fields.profiles(bed.file, heights), "pressure": plot_fields.pressure_profile(bed.file)}
@@ -216,6 +219,8 @@ def save_compared(folder, curves):
 
 def save(pictures, folder):
     """Figures by their name as folder/NAME.png."""
+    if NO_PICTURES:
+        return
     print("pictures:")
     for name, figure in pictures.items():
         path = os.path.join(folder, name + ".png")

@@ -5,3 +5,6 @@ against="conservation; drag law; balance of forces; jet lengths of Yang & Keairn
 time_run="3 min" time_long="25 min" memory="100 MB"
 second=pz
 long="-var tend 6.0 -var tavg 1.0"
+# A thin bed, not yet at its mean.
+short="-var Neach 3000 -var tend 0.08 -var tavg 0.05 -var tframe 0.01"
+compare_short=--short

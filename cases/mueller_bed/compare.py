@@ -138,7 +138,7 @@ def main():
     parser.add_argument("--prefix", default=None)
     parser.add_argument("--from", dest="begin", type=float)
     parser.add_argument("--to", dest="end", type=float)
-    parser.add_argument("--no-verdict", action="store_true", help="print the figures only, always end with 0")
+    parser.add_argument("--no-verdict", action="store_true", help="of the profiles print the figures only")
     a = parser.parse_args()
 
     with h5py.File(os.path.join(a.folder, "bed.h5"), "r") as bed:
@@ -193,7 +193,6 @@ def main():
     with h5py.File(os.path.join(a.folder, "bed.h5"), "r") as bed:
         verdict = Verdict()
         drag_check.check(bed, verdict)
-        failed += verdict.failed
     with open(os.path.join(a.folder, "profiles.csv"), "w") as f:
         f.write("\n".join(lines) + "\n")
     words = {"void_fraction": "void fraction", "particle_vz": "vertical velocity of grains / (m/s)"}
@@ -202,7 +201,7 @@ def main():
                                   [dict(label="measured (Mueller et al. 2009)", x=1e3 * r["distance"], y=r["measured"])]) for r in rows])
     draw(os.path.join(a.folder, "profiles.png"), rows, f"{U:g} m/s, means from {begin:.1f} to {end:.1f} s; bars: one standard error")
     print("picture: " + os.path.join(a.folder, "profiles.png"))
-    sys.exit(1 if failed and not a.no_verdict else 0)
+    sys.exit(1 if verdict.failed or (failed and not a.no_verdict) else 0)
 
 
 if __name__ == "__main__":

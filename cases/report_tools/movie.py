@@ -112,7 +112,7 @@ def animate(file, names):
             canvas.paste(Image.fromarray(part), place)
             draw.rectangle((place[0], place[1], place[0] + w - 1, place[1] + h - 1), outline=(150, 150, 150))
         draw.text((2, 4), f"t = {float(file['fluid'][name]['time'][()]):.3f} s", fill="black", font=big)
-        x0, y0 = (places[1][0] + 4, 22) if view.beside else (w - 150 if w > 320 else w // 2, 22)
+        x0, y0 = size[0] - 14 - length * view.scale - draw.textlength(label, big), 22
         draw.line((x0, y0, x0 + length * view.scale, y0), fill="black", width=4)
         draw.text((x0 + length * view.scale + 8, 4), label, fill="black", font=big)
         pictures.append(canvas)

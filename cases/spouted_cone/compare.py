@@ -69,6 +69,9 @@ def spout(bed, verdict, short):
     r = np.hypot(plot_fields.centres(coarse[0])[None, :] - X0, plot_fields.centres(coarse[1])[:, None] - Y0)
     k = int(np.argmin(np.abs(z - FLOOR - 0.6 * bed.H0)))
     axis, annulus = (r < NOZZLE) & (theta[k] > 0), (r > 1.5 * NOZZLE) & (r < radius(z[k])) & (theta[k] > 0)
+    if not axis.any() or not annulus.any():
+        verdict.note(f"no spout to look at: no particle cells in {'spout' if not axis.any() else 'annulus'} at {1e3 * (z[k] - FLOOR):.0f} mm above the base, 0.6 of the bed's height")
+        return
     mean = lambda values, where: np.average(values[where], weights=theta[k][where])
     eps, rise = average["particle_grid/eps"][k], average["particle_grid/solids_flux"][k, ..., 2]
     inner, outer, up, down = mean(eps, axis), mean(eps, annulus), mean(rise, axis), mean(rise, annulus)

@@ -110,6 +110,20 @@ def run_case(name, executable, ranks, out, *words):
     return done
 
 
+def half_the_drag(c, name, out):
+    """Compares a run of a case in its short mode again, as if its gas were twice as dense and viscous: all laws of drag then give exactly twice the
+    force for the same motion, so that what the run has is half the drag. Its comparison must say so."""
+    for file in [f for f in os.listdir(out) if f.endswith(".h5")]:
+        with h5py.File(os.path.join(out, file), "r+") as f:
+            for key in ("density", "viscosity"):
+                f["record"].attrs[key] = 2 * f["record"].attrs[key]
+    top = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+    done = subprocess.run([os.path.join(top, "cases", "run"), name, "--short", "--compare", "--out", out], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+                          env={**os.environ, "TWOGRID_NO_REPORT": "1", "TWOGRID_NO_PICTURES": "1"})
+    lines = [line for line in done.stdout.split("\n") if line.startswith("FAIL") and "drag" in line]
+    c.true(f"half the drag: {'; '.join(lines) or done.stdout[-500:]}", done.returncode == 1 and len(lines) == 1 and re.search(r": 0\.[4-6]\d+ of what the law", lines[0]))
+
+
 def pictures_are_there(c, out, *names):
     """Checks the pictures of a case. That in three dimensions is asked for only where what draws it is installed."""
     names = [n for n in names if n != "grains" or (shutil.which("xvfb-run") and os.path.isdir("/usr/lib/python3/dist-packages/vtkmodules"))]

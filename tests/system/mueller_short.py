@@ -11,7 +11,7 @@ import tempfile
 
 import numpy as np
 
-from harness import Checks, arguments, pictures_are_there, read_thermo, run_case
+from harness import Checks, arguments, half_the_drag, pictures_are_there, read_thermo, run_case
 
 WEIGHT = 9240 * 1000 * np.pi / 6 * 1.2e-3**3 * (1 - 1.2 / 1000) * 9.81 / (44e-3 * 10e-3)  # Pa, buoyant
 
@@ -21,7 +21,7 @@ def main():
     c = Checks("short run of the bed of Mueller et al.")
     with tempfile.TemporaryDirectory() as out:
         done = run_case("mueller_bed", executable, 1, out)
-        c.true("run and comparison end well, with all five profiles and a picture", done.returncode == 0 and done.stdout.count("rms difference") == 5)
+        c.true("run and comparison end well, with all five profiles, and the law's drag", done.returncode == 0 and done.stdout.count("rms difference") == 5 and "PASS  vertical drag" in done.stdout)
         pictures_are_there(c, out, "profiles")
         rows = list(csv.DictReader(open(os.path.join(out, "profiles.csv"))))
         eps = np.array([float(r["twogrid"]) for r in rows if r["quantity"] == "void_fraction"])
@@ -37,6 +37,7 @@ def main():
         with open(os.path.join(out, "log.liggghts")) as f:
             atoms = re.findall(r"^Loop time of .* with (\d+) atoms", f.read(), re.M)
         c.true(f"{atoms[-1]} grains at the end (wanted: 9240)", atoms[-1] == "9240")
+        half_the_drag(c, "mueller_bed", out)
     c.end()
 
 

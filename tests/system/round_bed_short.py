@@ -6,7 +6,7 @@ mean (pressure against weight, symmetry) is printed by the comparison without a 
 """
 import tempfile
 
-from harness import Checks, arguments, pictures_are_there, run_case
+from harness import Checks, arguments, half_the_drag, pictures_are_there, run_case
 
 
 def main():
@@ -16,6 +16,7 @@ def main():
         done = run_case("round_bed", executable, ranks[-1], out)
         c.true("run and comparison pass", done.returncode == 0 and done.stdout.count("PASS") >= 7 and "FAIL" not in done.stdout)
         pictures_are_there(c, out, "mean_void_fraction", "section", "snapshots", "profiles", "pressure", "grains")
+        half_the_drag(c, "round_bed", out)
     c.end()
 
 

@@ -7,7 +7,7 @@ printed by the comparison without a verdict.
 """
 import tempfile
 
-from harness import Checks, arguments, pictures_are_there, run_case
+from harness import Checks, arguments, half_the_drag, pictures_are_there, run_case
 
 
 def main():
@@ -17,6 +17,7 @@ def main():
         done = run_case("spouted_cone", executable, ranks[-1], out)
         c.true("run and comparison pass", done.returncode == 0 and done.stdout.count("PASS") >= 8 and "FAIL" not in done.stdout)
         pictures_are_there(c, out, "mean_void_fraction", "cut", "curve", "snapshots", "profiles", "pressure", "grains")
+        half_the_drag(c, "spouted_cone", out)
     c.end()
 
 
