@@ -116,6 +116,8 @@ def setup(file, frame, boundary):
         ax.set_aspect("equal")
         ax.set_xlabel(name + " / mm")
         ax.locator_params(nbins=5)
+        if not i and np.ptp(z) > 6 * np.ptp(a):
+            ax.set_xticks([a[0], a[-1]])
         if i:
             ax.set_xlim(MM * window[0], MM * window[1]), ax.set_ylim(MM * window[2], MM * window[3])
             for artist in ax.get_lines():
@@ -166,6 +168,8 @@ def maps(file, which, titles):
         ax.set_ylim(MM * z[0], MM * top)
         ax.set_title(title)
         ax.locator_params(nbins=5)
+        if ratio > 6:
+            ax.set_xticks([MM * edges[across][0], MM * edges[across][-1]])
         bar = figure.colorbar(picture, ax=ax, location="bottom" if tall else "right", label=label, pad=0.02, shrink=0.86, extend="neither" if options["vmax"] == 1.0 else "both")
         bar.ax.locator_params(nbins=4)
     for ax in axes[:, 0]:

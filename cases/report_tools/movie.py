@@ -47,8 +47,14 @@ class View:
 def grains(view, picture, x, radius, colour):
     """Discs, those nearer to the eye over the others, shaded towards their rim."""
     order = np.argsort(-x[:, view.along])
-    at = (x[order][:, [view.across, 2]] - view.lo) * view.scale
-    r = np.maximum(radius[order] * view.scale, 0.7)
+    for part in np.array_split(order, 1 + len(order) // 20000):
+        discs(view, picture, x[part], radius[part], colour[part])
+
+
+def discs(view, picture, x, radius, colour):
+    """In the order given."""
+    at = (x[:, [view.across, 2]] - view.lo) * view.scale
+    r = np.maximum(radius * view.scale, 0.7)
     reach = int(np.ceil(r.max()))
     dy, dx = np.mgrid[-reach:reach + 1, -reach:reach + 1].reshape(2, -1)
     column, row = np.floor(at[:, :1]).astype(int) + dx, np.floor(at[:, 1:]).astype(int) + dy
@@ -57,7 +63,7 @@ def grains(view, picture, x, radius, colour):
     which = np.broadcast_to(np.arange(len(r))[:, None], off.shape)[inside]  # the last one that is written to a pixel holds
     pixel = ((view.shape[0] - 1 - row) * view.shape[1] + column)[inside]
     flat = picture.reshape(-1, 3)
-    flat[pixel] = (colour[order][which] * (1 - 0.35 * off[inside])[:, None]).astype(np.uint8)
+    flat[pixel] = (colour[which] * (1 - 0.35 * off[inside])[:, None]).astype(np.uint8)
 
 
 def frame(file, name, view, fastest, fastest_gas, theta):
@@ -90,9 +96,10 @@ def scale_bar(view):
     return mm / 1e3, f"{mm:g} mm"
 
 
-def animate(file, names):
-    """WebP data, width, height (pixels) of all frames, a still of the last, a list of (what, colour map, low, high) for the legends."""
-    names = [names[i] for i in sorted({int(i) for i in np.linspace(0, len(names) - 1, min(FRAMES, len(names)))})]
+def animate(file, names, most=FRAMES):
+    """WebP data, its size (pixels), frames drawn, legends (what, colour map, low, high), where the cut lies, whether only what lies behind it is drawn, whether
+    the two pictures lie beside each other."""
+    names = [names[i] for i in sorted({int(i) for i in np.linspace(0, len(names) - 1, min(most, len(names)))})]
     view, theta = View(file, names), plot_fields.open_share(file)
     has_u = all("u" in file["fluid"][n] for n in names)
     with_grains = [n for n in names if n in file.get("particles", ()) and len(file["particles"][n]["position"])]
@@ -100,10 +107,11 @@ def animate(file, names):
     fastest_gas = max((np.percentile(file["fluid"][n]["u"][..., 2], 99.5) for n in names), default=0) if has_u else 1.0
     fastest_gas = fastest_gas if fastest_gas > 0 else 1.0
     h, w = view.shape
-    head, gap = 34, 12
-    size = (2 * w + gap, h + head) if view.beside else (w, 2 * (h + head))
-    length, label = scale_bar(view)
     big, pictures = font(22), []
+    length, label = scale_bar(view)
+    needed = int(150 + length * view.scale + 30 + big.getlength(label))  # time and length beside each other
+    head, gap = 34, max(12, needed - 2 * w) if view.beside else 12
+    size = (2 * w + gap, h + head) if view.beside else (w, 2 * (h + head))
     for name in names:
         canvas = Image.new("RGB", size, "white")
         draw = ImageDraw.Draw(canvas)
@@ -112,7 +120,7 @@ def animate(file, names):
             canvas.paste(Image.fromarray(part), place)
             draw.rectangle((place[0], place[1], place[0] + w - 1, place[1] + h - 1), outline=(150, 150, 150))
         draw.text((2, 4), f"t = {float(file['fluid'][name]['time'][()]):.3f} s", fill="black", font=big)
-        x0, y0 = size[0] - 14 - length * view.scale - draw.textlength(label, big), 22
+        x0, y0 = size[0] - 14 - length * view.scale - big.getlength(label), 22
         draw.line((x0, y0, x0 + length * view.scale, y0), fill="black", width=4)
         draw.text((x0 + length * view.scale + 8, 4), label, fill="black", font=big)
         pictures.append(canvas)

@@ -84,21 +84,32 @@ def setup(run):
     return pictures(picture, f"<div>{table([], rows)}</div>")
 
 
+def curve(c):
+    """A curve of compared.json, with how far it is from its references."""
+    said = []
+    unit = " " + c["y_label"].split(" / ")[1].strip("()") if " / " in c["y_label"] else ""
+    for r in c.get("references", []):
+        off = np.interp(r["x"], c["x"], c["mean"]) - np.array(r["y"], float) if np.all(np.diff(c["x"]) > 0) else None
+        if off is not None and len(off):
+            text = f"{r['label']}: root mean square difference {np.sqrt(np.mean(off**2)):.3g}{unit}, mean {np.mean(off):+.3g}{unit}"
+            if c.get("error") is not None:
+                error = np.interp(r["x"], c["x"], c["error"])
+                text += f"; {int(np.sum(np.abs(off) > 2 * error))} of {len(off)} points further off than two standard errors of the run ({np.sqrt(np.mean(error**2)):.2g}{unit})"
+            said.append(text)
+    if not said:
+        said.append("no reference")
+    better = "Nearer is better" if c.get("references") else ""
+    band = "band: two standard errors" if c.get("error") is not None else ""
+    return drawing(figures.comparison(c), c["title"], f"{c['title']}. " + "; ".join(said) + ". " + "; ".join(w for w in (better, band) if w).capitalize() + ".")
+
+
+def own_pictures(run):
+    """Those of the case's comparison that a report doesn't draw itself."""
+    return [picture_file(run.path(n), n, n[:-4].replace("_", " ")) for n in sorted(run.names("*.png")) if n[:-4] not in ("mean_void_fraction", "snapshots", "profiles", "pressure")]
+
+
 def compared(run):
-    curves = []
-    for c in run.compared:
-        said = []
-        for r in c.get("references", []):
-            off = np.interp(r["x"], c["x"], c["mean"]) - np.array(r["y"], float) if np.all(np.diff(c["x"]) > 0) else None
-            if off is not None and len(off):
-                text = f"{r['label']}: root mean square difference {np.sqrt(np.mean(off**2)):.3g}, mean {np.mean(off):+.3g}"
-                if c.get("error") is not None:
-                    error = np.interp(r["x"], c["x"], c["error"])
-                    text += f"; {int(np.sum(np.abs(off) > 2 * error))} of {len(off)} points further off than two standard errors of the run ({np.sqrt(np.mean(error**2)):.2g})"
-                said.append(text)
-        curves.append(drawing(figures.comparison(c), c["title"], f"{c['title']}. " + "; ".join(said) + ". Nearer is better" + ("; band: two standard errors." if c.get("error") is not None else ".")))
-    own = {"mean_void_fraction", "snapshots", "profiles", "pressure"}
-    shown = [picture_file(run.path(n), n, n[:-4].replace("_", " ")) for n in sorted(run.names("*.png")) if n[:-4] not in own]
+    curves, shown = [curve(c) for c in run.compared], own_pictures(run)
     if not curves and not shown:
         return missing("No curves and pictures of a comparison: a case's compare.py draws them (cases/run NAME --compare --out FOLDER), curves by save_compared of cases/verdict.py.")
     return (pictures(*curves) if curves else "") + (("<h3>Its pictures</h3>" if curves else "") + pictures(*shown) if shown else "")

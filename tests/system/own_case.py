@@ -16,6 +16,7 @@ import tempfile
 
 import h5py
 
+import browser
 from harness import Checks, arguments
 
 CASES = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cases"))
@@ -103,6 +104,21 @@ def job(c, scratch, executable):
     return out
 
 
+def gallery(c, scratch):
+    path = os.path.join(scratch, "gallery.html")
+    done = say(os.path.join(CASES, "gallery.py"), os.path.join(scratch, "own_bed"), "--out", path)
+    with open(path, encoding="utf-8") as f:
+        text = f.read()
+    part = text[text.find('<section id="own_bed">'):]
+    c.true(f"{done.stdout.strip()}: {text.count('<section')} sections, the own case's with PASS, its movie and its report", done.returncode == 0 and
+           text.count("<section") == 2 + len(re.findall(r'<section id="(?!top|own_bed)', text)) > 7 and "PASS" in part and "image/webp" in part and "own_bed/out/job_7/report.html" in part)
+    if browser.program():
+        with browser.Browser() as b:
+            said, asked = b.open(path, 390, 844)
+            wide = b.evaluate("document.documentElement.scrollWidth")
+            c.true(f"in a browser: {wide} of 390 pixels, console {said}, network {asked}", wide <= 390 and not said and not asked)
+
+
 def half_the_drag(c, scratch, out):
     with h5py.File(os.path.join(out, "own_bed.h5"), "r+") as f:
         for key in ("density", "viscosity"):
@@ -121,7 +137,9 @@ def main():
         done = say(os.path.join(CASES, "new"), "own_bed", "--like", "first_bed", "--in", scratch)
         if c.true(f"cases/new: {done.stdout.splitlines()[0] if done.stdout else ''}", done.returncode == 0):
             refusals(c, scratch)
-            half_the_drag(c, scratch, job(c, scratch, executable))
+            out = job(c, scratch, executable)
+            gallery(c, scratch)
+            half_the_drag(c, scratch, out)
     c.end()
 
 
