@@ -26,13 +26,14 @@ img { display: block; max-width: 100%; height: auto; margin: 0 auto }
 figcaption { margin-top: 4px }
 table { border-collapse: collapse; width: 100%; font-size: .92rem }
 td, th { text-align: left; vertical-align: top; padding: 5px 10px 5px 0; border-bottom: 1px solid #eee; overflow-wrap: anywhere }
-th { font-weight: 600; border-bottom-color: #bbb }
+th { font-weight: 600; border-bottom-color: #bbb; overflow-wrap: normal }
+.number { white-space: nowrap }
 td:first-child { min-width: 5.5em }
 .word { font-weight: 700; white-space: nowrap }
 .pass { color: #14662a } .fail { color: #b00020 }
 .missing { border-left: 4px solid #bbb; padding: 6px 12px; background: #f6f6f6; color: #333 }
 .warning, .failed { border-left: 4px solid #c77700; padding: 6px 12px; background: #fff6e5 }
-.bar { display: grid; grid-template-columns: minmax(7em, 12em) 1fr 3.5em; gap: 8px; align-items: center; font-size: .92rem; margin: 3px 0 }
+.bar { display: grid; grid-template-columns: 7.5em 1fr 3.5em; gap: 8px; align-items: center; font-size: .92rem; margin: 3px 0 }
 .bar i { display: block; height: 14px; background: #4477aa; min-width: 1px }
 .bar b { font-weight: 400; text-align: right }
 .swatch { display: inline-block; margin-right: 14px; color: #1a1a1a }

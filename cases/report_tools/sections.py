@@ -178,13 +178,14 @@ def ledger(run):
             last = series[2][-1]
         if last is None and not series:
             continue
-        rows.append([what, "not known" if last is None else f"{last:.2g}", f"{np.max(np.abs(series[2][min(1, len(series[2]) - 1):])):.2g}" if series else "not written", wanted])
+        largest = f"{np.max(np.abs(series[2][min(1, len(series[2]) - 1):])):.2g}" if series else "-"
+        rows.append([what, ("number", "-" if last is None else f"{last:.2g}"), ("number", largest), wanted])
     lost = run.status.get("particles_lost")
     if lost is not None:
-        rows.append(["grains lost", str(lost), "", "0"])
+        rows.append(["grains lost", ("number", str(lost)), "", "0"])
     if not rows:
         return missing(f"No ledger: status.json has it (none with -log none), and f_{run.fix}[5] to f_{run.fix}[8] in a table of fix ave/time or of thermo_style.")
-    return table(["", "at the end", "largest", "good"], rows)
+    return table(["", "at the end", "largest", "good"], rows) + f'<p class="quiet">Largest: of those in tables of fix ave/time or in the log; - where f_{run.fix}[5] to [8], [14] to [16] are in none.</p>'
 
 
 def cost(run):
