@@ -12,6 +12,8 @@ import argparse
 import os
 import sys
 
+PIXELS = 900  # the longer side of the bed in the view
+
 
 def pipeline(path, gas, cut):
     """Reader, cut of the gas, grains (None without), layout: what the scene is made of."""
@@ -62,7 +64,7 @@ def show(reader, plane, spheres, box, gas, frame):
     # Wide enough for the scales at the right.
     across = hi[1 - along] - lo[1 - along]
     tall = hi[2] - lo[2]
-    pixels = min(900 / tall, 900 / across)
+    pixels = min(PIXELS / tall, PIXELS / across)
     view.ViewSize = [int(pixels * across) + 340, int(pixels * tall) + 60]
 
     def coloured(source, what, association, title, preset, top, even):

@@ -16,7 +16,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import drag_check  # noqa: E402
 import leg_tables  # noqa: E402
 import plot_fields  # noqa: E402
-from verdict import G, Verdict, batch_error, command_line, save  # noqa: E402
+from verdict import G, NO_PICTURES, Verdict, batch_error, command_line, save  # noqa: E402
 
 # As in.first_bed has it.
 D_P, RHO_P, DEM_STEP, SECTION = 1.2e-3, 1000.0, 1.5e-5, 0.0216 * 0.0048
@@ -58,8 +58,9 @@ def main():
     pressure(folder, file, n, short, verdict)
     drag_check.check(file, verdict)
     frames = len(plot_fields.frames(file))
-    save({"mean_void_fraction": plot_fields.mean_void_fraction(file), "profiles": plot_fields.profiles(file, [10e-3, 20e-3, 30e-3]), "pressure": plot_fields.pressure_profile(file),
-          "snapshots": plot_fields.snapshots(file, sorted({frames // 3, 2 * frames // 3, frames - 1}))}, folder)
+    if not NO_PICTURES:
+        save({"mean_void_fraction": plot_fields.mean_void_fraction(file), "profiles": plot_fields.profiles(file, [10e-3, 20e-3, 30e-3]), "pressure": plot_fields.pressure_profile(file),
+              "snapshots": plot_fields.snapshots(file, sorted({frames // 3, 2 * frames // 3, frames - 1}))}, folder)
     verdict.end()
 
 
