@@ -34,12 +34,11 @@ BodyForces::BodyForces(const FluidDomain& domain, const CutLinks* cut) : domain_
     const Vec3& centre = force_[p.body].centre;
     if (domain.boundaries.state(p.component).data()[m] == FaceState::kSolved &&
         open->theta_f()[p.component].data()[m] > 0)
-      pieces_.push_back({m,
-                         p.body,
-                         p.component,
-                         p.conductance / open->theta_f()[p.component].data()[m],
-                         domain.measures.open_share_above(p.component, p.face[0], p.face[1], p.face[2]),
-                         {p.point[0] - centre[0], p.point[1] - centre[1], p.point[2] - centre[2]}});
+      pieces_[p.component].push_back({m,
+                                      p.body,
+                                      p.conductance / open->theta_f()[p.component].data()[m],
+                                      domain.measures.open_share_above(p.component, p.face[0], p.face[1], p.face[2]),
+                                      {p.point[0] - centre[0], p.point[1] - centre[1], p.point[2] - centre[2]}});
   }
   list_cells(*open);
   for (int c = 0; c < 3; ++c) {
@@ -155,29 +154,40 @@ inline void BodyForces::add_friction(const Nearest& to, int c, double F) {
 void BodyForces::add(double share, const FluidState& state, const Property& mu, const Lost& convection,
                      const Lost& stress, const Lost& exceeding, const Lost& drag, const Lost& pull) {
   const double* cell_mu = mu.varies() ? mu.field().data() : nullptr;
-  for (const Piece& p : pieces_) {
-    double viscosity = mu.number;
-    if (cell_mu) {
-      const double below = cell_mu[p.face - state.p.stride(p.component)];
-      viscosity = below + p.above * (cell_mu[p.face] - below);
+  for (int c = 0; c < 3; ++c) {
+    const double *i_f = state.i_f[c].data(), *u = state.u[c].data();
+    const int e = (c + 1) % 3, g = (c + 2) % 3;
+    for (const Piece& p : pieces_[c]) {
+      double viscosity = mu.number;
+      if (cell_mu) {
+        const double below = cell_mu[p.face - state.p.stride(c)];
+        viscosity = below + p.above * (cell_mu[p.face] - below);
+      }
+      const double F = share * viscosity * p.conductance * i_f[p.face] * u[p.face];
+      BodyForce& f = force_[p.body];
+      f.friction[c] += F;
+      f.torque[e] += p.arm[g] * F, f.torque[g] -= p.arm[e] * F;
     }
-    const double F =
-        share * viscosity * p.conductance * state.i_f[p.component].data()[p.face] * state.u[p.component].data()[p.face];
-    add_friction({p.body, p.arm}, p.component, F);
   }
   for (const Pressed& c : pressed_)
     for (int d = 0; d < 3; ++d) force_[c.body].pressure[d] += share * state.p.data()[c.cell] * c.area[d];
   for (const Wall& w : walls_)
     for (int d = 0; d < 3; ++d) force_[w.body].torque[d] += share * state.p.data()[w.cell] * w.turning[d];
   for (int c = 0; c < 3; ++c) {
-    for (std::size_t q = 0; q < convection[c].size(); ++q)
-      force_[convection_to_[c][q].body].convection[c] += share * convection[c][q];
-    const std::vector<std::ptrdiff_t>& faces = domain_.measures.open()->without_convection(c);
-    for (std::size_t q = 0; q < drag[c].size(); ++q)
-      force_[convection_to_[c][q].body].convection[c] +=
-          share * drag[c][q] * state.i_f[c].data()[faces[q]] * volume_[c][q] * state.u[c].data()[faces[q]];
-    for (std::size_t q = 0; q < pull[c].size(); ++q) add_friction(convection_to_[c][q], c, -share * pull[c][q]);
+    const std::ptrdiff_t* faces = domain_.measures.open()->without_convection(c).data();
+    const bool friction = drag[c].size() == convection[c].size(), pulled = pull[c].size() == convection[c].size();
+    for (std::size_t q = 0; q < convection[c].size(); ++q) {
+      double F = convection[c][q];
+      if (friction && drag[c][q] != 0)
+        F += drag[c][q] * state.i_f[c].data()[faces[q]] * volume_[c][q] * state.u[c].data()[faces[q]];
+      if (F != 0) force_[convection_to_[c][q].body].convection[c] += share * F;
+      if (pulled && pull[c][q] != 0) add_friction(convection_to_[c][q], c, -share * pull[c][q]);
+    }
     for (std::size_t q = 0; q < stress[c].size(); ++q) {
+      if (exceeding[c][q] == 0) {
+        force_[stress_to_[c][q].body].friction[c] += share * stress[c][q];
+        continue;
+      }
       force_[stress_to_[c][q].body].friction[c] += share * (stress[c][q] - exceeding[c][q]);
       add_friction(stress_to_[c][q], c, share * exceeding[c][q]);
     }

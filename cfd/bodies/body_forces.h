@@ -11,6 +11,7 @@
 // slivers and to faces whose links exceed; pressure on the surface's cells.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "cfd/fluid/domain.h"
@@ -59,7 +60,7 @@ class BodyForces {
  private:
   struct Piece {
     std::ptrdiff_t face;
-    int body, component;
+    int body;
     double conductance;  // over theta_f (m)
     double above;        // share of the upper cell in its viscosity
     Vec3 arm;            // from the body's centre (m)
@@ -90,7 +91,7 @@ class BodyForces {
   CellField<FineGrid> body_;  // of the surface in a cell; -1: none. Only while the lists are made, as wall_
   std::array<CellField<FineGrid>, 3> wall_;    // a point of it
   std::array<std::vector<double>, 3> volume_;  // of without_convection's faces (m3)
-  std::vector<Piece> pieces_;
+  std::array<std::vector<Piece>, 3> pieces_;   // by component
   std::vector<Pressed> pressed_;
   std::vector<Wall> walls_;
   std::array<std::vector<Nearest>, 3> convection_to_, stress_to_;

@@ -310,10 +310,12 @@ void Boundaries::apply_correction(CellField<FineGrid>& phi) const {
 void Boundaries::apply_face_eps(FaceField<FineGrid>& eps_f) const {
   for (int side = 0; side < 6; ++side) {
     const SideData& s = side_[side];
-    if (!s.here) continue;
+    const auto& conditions = settings_.side[side];
+    const auto is_inlet = [](const BoundaryCondition& c) { return c.kind == BoundaryKind::kInlet; };
+    if (!s.here || std::none_of(conditions.begin(), conditions.end(), is_inlet)) continue;
     for (int b = s.lo_f; b < s.lo_f + s.n_f; ++b)
       for (int a = s.lo_e; a < s.lo_e + s.n_e; ++a) {
-        if (settings_.side[side][s.condition[s.at(a, b)]].kind != BoundaryKind::kInlet) continue;
+        if (!is_inlet(conditions[s.condition[s.at(a, b)]])) continue;
         Int3 c;
         c[s.d] = s.face, c[s.e] = a, c[s.f] = b;
         const double open = shares_ ? shares_->theta_f()[s.d](c[0], c[1], c[2]) : 1.0;

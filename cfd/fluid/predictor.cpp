@@ -40,6 +40,7 @@ Predictor::Predictor(FluidDomain& domain, const FluidSettings& settings)
         list.push_back(1 / domain.measures.axis(d).face_width(Int3{i, j, k}[d]));
     });
   if (!open) return;
+  if (open->has_friction() || open->has_links()) list_friction(*open);
   for (const Sliver& s : open->slivers()) {
     const int d = s.component;
     const std::vector<std::ptrdiff_t>& faces = open->without_convection(d);
@@ -137,29 +138,29 @@ TWOGRID_VECTORISED void Predictor::predict_rows(const FluidState& state, const S
   if (domain_.solved[2]) predict_component<2>(state, step, exchange, rhs, u_next);
 }
 
+/// Faces with friction at all.
+void Predictor::list_friction(const OpenShares& open) {
+  reset(friction_, domain_.local);
+  for (int d = 0; d < 3; ++d)
+    for_each(domain_.faces[d], [&](int i, int j, int k) {
+      const std::ptrdiff_t m = friction_[d].index(i, j, k);
+      const double of_walls = open.has_friction() ? open.friction()[d].data()[m] : 0.0;
+      if (of_walls > 0 || (open.has_links() && open.sliver(d, m)))
+        of_walls_[d].push_back({m, std::max(of_walls, 0.0), domain_.measures.open_share_above(d, i, j, k)});
+    });
+}
+
 /// mu K' of faces: the friction of bodies' walls. Slivers, which no convection slows, have the drag 1/2 rho u^2 of their
 /// open part besides, and so never go faster than the pressure of a cell could drive them.
 void Predictor::set_wall_friction(const Property& mu, const FaceField<FineGrid>& u_tilde) {
   const OpenShares* open = domain_.measures.open();
   if (!open || !(open->has_friction() || open->has_links())) return;
-  if (friction_[0].size() == 0) reset(friction_, domain_.local);
-  for (int d = 0; d < 3 && open->has_friction(); ++d) {
-    const auto set = [&](const auto& mu_at) {
-      for_each(domain_.faces[d], [&](int i, int j, int k) {
-        const std::ptrdiff_t m = friction_[d].index(i, j, k);
-        const double share = open->friction()[d].data()[m];
-        friction_[d].data()[m] = share > 0 ? mu_at(i, j, k) * share : 0.0;
-      });
-    };
-    if (mu.varies()) {
-      const double* cell = mu.field().data();
-      const std::ptrdiff_t s = friction_[d].stride(d);
-      set([&](int i, int j, int k) {
-        const std::ptrdiff_t m = friction_[d].index(i, j, k);
-        return cell[m - s] + domain_.measures.open_share_above(d, i, j, k) * (cell[m] - cell[m - s]);
-      });
-    } else {
-      set([number = mu.number](int, int, int) { return number; });
+  const double* cell = mu.varies() ? mu.field().data() : nullptr;
+  for (int d = 0; d < 3; ++d) {
+    const std::ptrdiff_t s = friction_[d].stride(d);
+    for (const OfWalls& w : of_walls_[d]) {
+      const double viscosity = cell ? cell[w.face - s] + w.share_above * (cell[w.face] - cell[w.face - s]) : mu.number;
+      friction_[d].data()[w.face] = viscosity * w.per_viscosity;
     }
   }
   for (int d = 0; d < 3; ++d) {
@@ -170,7 +171,7 @@ void Predictor::set_wall_friction(const Property& mu, const FaceField<FineGrid>&
       const std::ptrdiff_t m = faces[q];
       if (!open->sliver(d, m)) continue;
       sliver_drag_[d][q] = 0.5 * settings_.density * std::abs(u_tilde[d].data()[m]) * sliver_inverse_width_[d][q];
-      friction_[d].data()[m] = (open->has_friction() ? friction_[d].data()[m] : 0.0) + sliver_drag_[d][q];
+      friction_[d].data()[m] += sliver_drag_[d][q];
     }
   }
   inertia_.friction = &friction_;
@@ -213,13 +214,16 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
   const bool viscous = mu.varies() || mu.number > 0, implicit = step.implicit_viscosity && viscous;
   if (implicit && inertia_field_[0].size() == 0) reset(rhs_, domain_.local), reset(inertia_field_, domain_.local);
   FaceField<FineGrid>& rhs = implicit ? rhs_ : u_next;
-  for (auto& c : rhs) c.fill(0);
+  for (int d = 0; d < 3; ++d)
+    if (implicit)
+      rhs[d].fill(0);
+    else
+      for_each_row(domain_.faces[d], domain_.measures.open_surroundings(d), rhs[d],
+                   [&](const Int3&, std::ptrdiff_t m, int n) { std::fill_n(rhs[d].data() + m, n, 0.0); });
   convection_.add(rho, state.eps_f, u_tilde, settings_.convection, rhs);
   if (domain_.measures.open()) lose_convection(rhs);
   measure_inlet_head(state, u_tilde);
   if (viscous && !step.implicit_viscosity) viscous_.add(mu, state.eps[0], u_tilde, rhs);
-  if (viscous_.cut() && !step.implicit_viscosity)
-    viscous_.cut()->left_out(mu, state.eps[0], u_tilde, lost_stress_, exceeding_);
   domain_.boundaries.set_outlet_pressure(u_tilde, rho);
   domain_.boundaries.apply_pressure(state.p);
 
@@ -240,7 +244,7 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
     viscous_solver_->solve(mu, state.eps[0], inertia_field_, rhs_, u_next);
     if (viscous_.cut()) {
       domain_.fill(u_next);
-      viscous_.cut()->left_out(mu, state.eps[0], u_next, lost_stress_, exceeding_);
+      viscous_.cut()->leave_out(mu, state.eps[0], u_next);
     }
   }
   drag_slivers_along(state, exchange, u_next);

@@ -35,14 +35,19 @@ class Predictor {
   const std::array<std::vector<double>, 3>& lost_convection() const { return lost_convection_; }
   /// Null where nothing is cut; and its left_out() in the step.
   const CutLinks* cut_links() const { return viscous_.cut(); }
-  const std::array<std::vector<double>, 3>& lost_stress() const { return lost_stress_; }
-  const std::array<std::vector<double>, 3>& exceeding() const { return exceeding_; }
+  const std::array<std::vector<double>, 3>& lost_stress() const {
+    return viscous_.cut() ? viscous_.cut()->left_out() : nothing_;
+  }
+  const std::array<std::vector<double>, 3>& exceeding() const {
+    return viscous_.cut() ? viscous_.cut()->exceeding() : nothing_;
+  }
   /// Of the faces of OpenShares::without_convection: drag for want of convection (kg/(m3 s), per inertia share).
   const std::array<std::vector<double>, 3>& sliver_drag() const { return sliver_drag_; }
   /// Of the same faces: what drags them along against friction, N.
   const std::array<std::vector<double>, 3>& sliver_pull() const { return sliver_pull_; }
 
  private:
+  void list_friction(const OpenShares& open);
   void set_wall_friction(const Property& mu, const FaceField<FineGrid>& u_tilde);
   void lose_convection(FaceField<FineGrid>& rhs);
   void drag_slivers_along(const FluidState& state, const Interphase& exchange, FaceField<FineGrid>& u_next);
@@ -59,7 +64,7 @@ class Predictor {
   ViscousTerm viscous_;
   Inertia inertia_;
   double inlet_head_ = 0;
-  std::array<std::vector<double>, 3> lost_convection_, lost_stress_, exceeding_, sliver_drag_, sliver_pull_;
+  std::array<std::vector<double>, 3> lost_convection_, nothing_, sliver_drag_, sliver_pull_;
   std::array<std::vector<double>, 3> sliver_inverse_width_;  // of the same faces (1/m)
   struct Following {
     int place;  // in the list of faces that take no part in convection
@@ -68,7 +73,12 @@ class Predictor {
     std::vector<std::pair<std::ptrdiff_t, double>> of;  // shares of other faces' velocities
   };
   std::array<std::vector<Following>, 3> slivers_;
-  FaceField<FineGrid> friction_;  // mu K' and slivers' drag, only where bodies are
+  struct OfWalls {
+    std::ptrdiff_t face;
+    double per_viscosity, share_above;  // K'; share of the upper cell in the face's viscosity
+  };
+  std::array<std::vector<OfWalls>, 3> of_walls_;  // own faces with friction
+  FaceField<FineGrid> friction_;                  // mu K' and slivers' drag, only where bodies are
   std::vector<double> row_inertia_, row_made_;
   // Implicit viscosity; made when first needed.
   std::unique_ptr<ViscousSolver> viscous_solver_;

@@ -67,7 +67,6 @@ TWOGRID_VECTORISED void Projection::missing_continuity(const FluidState& state, 
   const std::ptrdiff_t sy = state.p.stride(1), sz = state.p.stride(2);
   const int whole = domain_.own.size(0);
   std::fill_n(row_a_.data(), whole, 0.0), std::fill_n(row_b_.data(), whole, 0.0);
-  if (domain_.measures.open()) imbalance_.fill(0);
   for_each_row(domain_.own, domain_.measures.open_cells(), state.p, [&](const Int3& q, std::ptrdiff_t m, int n) {
     const int first = q[0] - domain_.own.lo[0];
     double* __restrict most = row_a_.data() + first, * __restrict total = row_b_.data() + first;

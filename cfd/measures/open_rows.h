@@ -36,6 +36,12 @@ class OpenRows {
 
   const Part& at(int j, int k) const { return part_[(j - lo_[1]) + std::size_t(n1_) * (k - lo_[2])]; }
 
+  std::ptrdiff_t count() const {
+    std::ptrdiff_t sum = 0;
+    for (const Part& p : part_) sum += p.size();
+    return sum;
+  }
+
   static Part hull(const Part& a, const Part& b) {
     return a.size() == 0 ? b : b.size() == 0 ? a : Part{std::min(a.begin, b.begin), std::max(a.end, b.end)};
   }

@@ -41,12 +41,17 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const Box
         continue;
       }
       closed_[d].push_back(std::ptrdiff_t(m));
-      std::vector<Run>& runs = closed_runs_[d];
-      if (!runs.empty() && runs.back().first + runs.back().length == std::ptrdiff_t(m))
-        ++runs.back().length;
+      const auto append = [m = std::ptrdiff_t(m)](std::vector<Run>& runs) {
+        if (!runs.empty() && runs.back().first + runs.back().length == m)
+          ++runs.back().length;
+        else
+          runs.push_back({m, 1});
+      };
+      append(closed_runs_[d]);
+      if (open > 0)
+        open_beside_[d].push_back({std::ptrdiff_t(m), 1 / open});
       else
-        runs.push_back({std::ptrdiff_t(m), 1});
-      open_beside_[d].push_back(open > 0 ? 1 / open : 0.0);
+        append(enclosed_[d]);
       open = ratio_[d].data()[m] = 0;
     }
   }
@@ -148,10 +153,9 @@ void OpenShares::flux_share(FaceField<FineGrid>& i_f, FaceField<FineGrid>& phi_f
   for (int d = 0; d < 3; ++d) {
     double *i = i_f[d].data(), *phi = phi_f[d].data();
     multiply(ratio_[d].size(), ratio_[d].data(), i, phi);
-    for (std::size_t q = 0; q < closed_[d].size(); ++q) {
-      const std::ptrdiff_t m = closed_[d][q];
-      i[m] = phi[m] = open_beside_[d][q] > 0 ? i[m] * open_beside_[d][q] : 1.0;
-    }
+    for (const auto& beside : open_beside_[d]) i[beside.first] = phi[beside.first] = i[beside.first] * beside.second;
+    for (const Run& run : enclosed_[d])
+      for (double* f : {i, phi}) std::fill_n(f + run.first, run.length, 1.0);
   }
 }
 

@@ -157,8 +157,9 @@ class OpenShares {
   struct Run {
     std::ptrdiff_t first, length;
   };
-  std::array<std::vector<Run>, 3> closed_runs_;     // the same faces
-  std::array<std::vector<double>, 3> open_beside_;  // of closed faces: 1/theta_f, 0 where no open cell is beside
+  std::array<std::vector<Run>, 3> closed_runs_, enclosed_;  // the same faces; those of them without an open cell beside
+  using OpenBeside = std::vector<std::pair<std::ptrdiff_t, double>>;
+  std::array<OpenBeside, 3> open_beside_;  // the others, and 1/theta_f
   std::array<Exceptions, 3> centre_, viscous_;
   std::vector<Sliver> slivers_;
   std::vector<WallPiece> pieces_;

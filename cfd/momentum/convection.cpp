@@ -81,9 +81,15 @@ void ConvectionTerm::list_cut_sides(const OpenShares& open) {
         // Where both faces that carry through a side are closed nothing passes it.
         const std::ptrdiff_t other = m - (c == d ? s : theta.stride(c));
         if (!(open.alpha(d, m) > 0 || open.alpha(d, other) > 0)) return;
-        const CutSide side{x, cut(m - 2 * s), cut(m - s), m + s < std::ptrdiff_t(theta.size()) && cut(m)};
-        if (side.below || side.between || side.above) cut_sides_[c][d].push_back(side);
+        const bool between = cut(m - s), above = m + s < std::ptrdiff_t(theta.size()) && cut(m);
+        const int when =
+            (between || cut(m - 2 * s) ? CutSides::kFlowUp : 0) | (between || above ? CutSides::kFlowDown : 0);
+        if (when == 0) return;
+        CutSides& sides = cut_sides_[c][d];
+        sides.at.push_back(m), sides.when.push_back(when);
+        for (int e = 0; e < 3; ++e) sides.index[e].push_back(x[e]);
       });
+      change_.resize(std::max(change_.size(), cut_sides_[c][d].at.size()));
     }
 }
 
@@ -226,16 +232,10 @@ void ConvectionTerm::add(double rho, const FaceField<FineGrid>& eps_f, const Fac
   const Convected a{rho, eps_f, u};
   if (scheme == Convection::kVanLeer) {
     rows_[0] ? convect_limited_between_bodies(a, out) : convect_limited(a, out);
-    centre_cut_sides(a, out);
+    if (!change_.empty()) centre_cut_sides(a, out);
   } else {
     rows_[0] ? convect_central_between_bodies(a, out) : convect_central(a, out);
   }
-}
-
-void ConvectionTerm::centre_cut_sides(const Convected& a, FaceField<FineGrid>& out) const {
-  centre_cut_sides<0, 0>(a, out[0]), centre_cut_sides<0, 1>(a, out[0]), centre_cut_sides<0, 2>(a, out[0]);
-  centre_cut_sides<1, 0>(a, out[1]), centre_cut_sides<1, 1>(a, out[1]), centre_cut_sides<1, 2>(a, out[1]);
-  centre_cut_sides<2, 0>(a, out[2]), centre_cut_sides<2, 1>(a, out[2]), centre_cut_sides<2, 2>(a, out[2]);
 }
 
 TWOGRID_VECTORISED void ConvectionTerm::convect_limited(const Convected& a, FaceField<FineGrid>& out) {
@@ -262,22 +262,70 @@ TWOGRID_VECTORISED void ConvectionTerm::convect_central_between_bodies(const Con
   if (solved_[2]) convect_component<2, false, false>(a, out[2]);
 }
 
-/// Where the limiter would compare a slope with one to a wall, or through one, the mean of the two faces is taken.
+/// Where the limiter would compare a slope with one to a wall, or through one, the mean of the two faces is taken. As in
+/// side_row(), for sides of a list.
 template <int c, int d>
-void ConvectionTerm::centre_cut_sides(const Convected& a, Array3<double>& out) const {
+inline void ConvectionTerm::centre_cut_sides(const Convected& a, Array3<double>& out) {
+  constexpr int e = c == d ? (c + 1) % 3 : 3 - c - d, f = (c + 2) % 3;
+  const CutSides& sides = cut_sides_[c][d];
+  const std::size_t n = sides.at.size();
   const std::ptrdiff_t s = out.stride(d), sc = out.stride(c);
-  const double *e = a.eps_f[d].data(), *v = a.u[d].data();
-  for (const CutSide& side : cut_sides_[c][d]) {
-    const Int3& x = side.upper;
-    const std::ptrdiff_t m = out.index(x[0], x[1], x[2]), other = c == d ? s : sc;
-    const bool up = e[m - other] * v[m - other] + e[m] * v[m] >= 0;
-    if (!side.between && !(up ? side.below : side.above)) continue;
-    double limited, central;
-    side_row<c, d, true>(a, x[0], x[1], x[2], 1, &limited);
-    side_row<c, d, false>(a, x[0], x[1], x[2], 1, &central);
-    out.data()[m] += central - limited;
-    out.data()[m - s] -= central - limited;
+  const AxisMeasure &ac = axis_[c], &ad = axis_[d], &ae = axis_[e], &af = axis_[f];
+  const double *v = a.u[c].data(), *eps = a.eps_f[d].data(), *through = a.u[d].data();
+  const std::ptrdiff_t* at = sides.at.data();
+  const int *when = sides.when.data(), *along = sides.index[d].data(), *across = sides.index[c].data();
+  const double* we = ae.width_.data();
+  const int *in_e = sides.index[e].data(), lo_e = ae.lo;
+  double* __restrict change = change_.data();
+  const double rho = a.rho;
+  const auto F = [eps, through](std::ptrdiff_t m) { return eps[m] * through[m]; };
+  if constexpr (c == d) {
+    const double *inverse = ac.inverse_width_.data(), *dist = ac.width_.data(), *wf = af.width_.data();
+    const int *in_f = sides.index[f].data(), lo_f = af.lo, lo = ac.lo + 1;
+#pragma GCC ivdep
+    for (std::size_t q = 0; q < n; ++q) {
+      const std::ptrdiff_t m = at[q];
+      const int o = along[q] - lo;
+      const double flow = 0.5 * (F(m - s) + F(m)) * we[in_e[q] - lo_e] * wf[in_f[q] - lo_f];
+      const bool up = flow >= 0;
+      // All at once, not as the flow goes: the loop stays one without branches.
+      const double vv[4] = {v[m - 2 * s], v[m - s], v[m], v[m + s]};
+      const double ee[4] = {eps[m - 2 * s], eps[m - s], eps[m], eps[m + s]};
+      const double below = inverse[o - 1], here = inverse[o], above = inverse[o + 1], length = dist[o];
+      const double limited = transported_along(vv, ee, 1, 1, up, below, length, here, above);
+      const double central = vv[1] + (vv[2] - vv[1]) * (0.5 * length * here);
+      const int now = up ? CutSides::kFlowUp : CutSides::kFlowDown;
+      change[q] = (when[q] & now) != 0 ? rho * flow * central - rho * flow * limited : 0.0;
+    }
+  } else {
+    const double *half_below = ac.half_below_.data(), *half_above = ac.half_above_.data();
+    const double *inverse = ad.inverse_face_width_.data(), *width = ad.width_.data();
+    const int lo_c = ac.lo, lo = ad.lo;
+#pragma GCC ivdep
+    for (std::size_t q = 0; q < n; ++q) {
+      const std::ptrdiff_t m = at[q];
+      const int o = along[q] - lo, oc = across[q] - lo_c;
+      const double flow = (F(m - sc) * half_below[oc] + F(m) * half_above[oc]) * we[in_e[q] - lo_e];
+      const bool up = flow >= 0;
+      const double v0 = v[m - 2 * s], v1 = v[m - s], v2 = v[m], v3 = v[m + s];
+      const double below = inverse[o - 1], here = inverse[o], above = inverse[o + 1], lower = width[o - 1],
+                   upper = width[o];
+      const double slope = (v2 - v1) * here, behind = (up ? v1 - v0 : v3 - v2) * (up ? below : above);
+      const double towards = limited_change(0.5 * (up ? lower : upper), slope, behind);
+      const double limited = up ? v1 + towards : v2 - towards;
+      const double central = v1 + slope * (0.5 * lower);
+      const int now = up ? CutSides::kFlowUp : CutSides::kFlowDown;
+      change[q] = (when[q] & now) != 0 ? rho * flow * central - rho * flow * limited : 0.0;
+    }
   }
+  double* o = out.data();
+  for (std::size_t q = 0; q < n; ++q) o[at[q]] += change[q], o[at[q] - s] -= change[q];
+}
+
+TWOGRID_VECTORISED void ConvectionTerm::centre_cut_sides(const Convected& a, FaceField<FineGrid>& out) {
+  centre_cut_sides<0, 0>(a, out[0]), centre_cut_sides<0, 1>(a, out[0]), centre_cut_sides<0, 2>(a, out[0]);
+  centre_cut_sides<1, 0>(a, out[1]), centre_cut_sides<1, 1>(a, out[1]), centre_cut_sides<1, 2>(a, out[1]);
+  centre_cut_sides<2, 0>(a, out[2]), centre_cut_sides<2, 1>(a, out[2]), centre_cut_sides<2, 2>(a, out[2]);
 }
 
 double ConvectionTerm::convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& eps_f,

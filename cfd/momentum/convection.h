@@ -37,9 +37,9 @@ class ConvectionTerm {
   void convect_limited_between_bodies(const Convected& a, FaceField<FineGrid>& out);
   void convect_central_between_bodies(const Convected& a, FaceField<FineGrid>& out);
   void list_cut_sides(const OpenShares& open);
-  void centre_cut_sides(const Convected& a, FaceField<FineGrid>& out) const;
+  void centre_cut_sides(const Convected& a, FaceField<FineGrid>& out);
   template <int c, int d>
-  void centre_cut_sides(const Convected& a, Array3<double>& out) const;
+  void centre_cut_sides(const Convected& a, Array3<double>& out);
 
   OpenRows::Part part(int c, int j, int k) const;
 
@@ -50,13 +50,16 @@ class ConvectionTerm {
   std::array<AxisMeasure, 3> axis_;
   std::array<bool, 3> periodic_;
   Int3 n_;
-  /// A side of a volume whose limiter would look at a wall: beyond the upper or the lower face, or between them.
-  struct CutSide {
-    Int3 upper;
-    bool below, between, above;
+  /// Sides of volumes whose limiter would look at a wall: beyond the lower or the upper face, or between them.
+  struct CutSides {
+    enum When : int { kFlowUp = 1, kFlowDown = 2 };
+    std::vector<std::ptrdiff_t> at;         // memory index of the upper face
+    std::array<std::vector<int>, 3> index;  // its index
+    std::vector<int> when;                  // flow up and/or down: the limiter would look at the wall then
   };
-  std::array<std::array<std::vector<CutSide>, 3>, 3> cut_sides_;  // of component c, normal to d
-  std::array<std::vector<double>, 3> side_;  // scratch: fluxes through the sides of a row, two rows, two slabs
+  std::array<std::array<CutSides, 3>, 3> cut_sides_;  // of component c, normal to d
+  std::vector<double> change_;                        // scratch: of a list of cut sides
+  std::array<std::vector<double>, 3> side_;           // scratch: fluxes through the sides of a row, two rows, two slabs
 };
 
 }  // namespace twogrid

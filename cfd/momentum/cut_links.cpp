@@ -1,14 +1,40 @@
 #include "cfd/momentum/cut_links.h"
 
+#include "cfd/parallel/vectorised.h"
+
 namespace twogrid {
 
 namespace {
 
-/// Mean over the cells around the edge at the low corner of cell m, by volume; so, s: strides, and the upper cells' shares.
+/// Mean over the cells around an edge, by volume; its memory index, strides and shares of the upper cells in the two
+/// directions normal to it.
 template <class F>
-inline double mean_around(std::ptrdiff_t m, std::ptrdiff_t so, double own, std::ptrdiff_t s, double other, F&& f) {
-  const double low = (1 - own) * f(m - so - s) + own * f(m - s), high = (1 - own) * f(m - so) + own * f(m);
-  return (1 - other) * low + other * high;
+inline double mean_around(std::ptrdiff_t m, std::ptrdiff_t sa, double a, std::ptrdiff_t sb, double b, F&& f) {
+  const double low = (1 - a) * f(m - sa - sb) + a * f(m - sb), high = (1 - a) * f(m - sa) + a * f(m);
+  return (1 - b) * low + b * high;
+}
+
+TWOGRID_VECTORISED void means_around(std::size_t n, double factor, const std::ptrdiff_t* at, std::ptrdiff_t sa,
+                                     const double* share_a, std::ptrdiff_t sb, const double* share_b,
+                                     const double* field, double* __restrict mean) {
+#pragma GCC ivdep
+  for (std::size_t q = 0; q < n; ++q)
+    mean[q] =
+        factor * mean_around(at[q], sa, share_a[q], sb, share_b[q], [field](std::ptrdiff_t m) { return field[m]; });
+}
+
+/// mu e (du_c/dx_c - 2/3 div u) of the three components.
+TWOGRID_VECTORISED void stresses_in_cells(std::size_t n, double mu, const std::ptrdiff_t* at, std::ptrdiff_t sy,
+                                          std::ptrdiff_t sz, const double* ix, const double* iy, const double* iz,
+                                          const double* e, const double* u, const double* v, const double* w,
+                                          double* __restrict x, double* __restrict y, double* __restrict z) {
+#pragma GCC ivdep
+  for (std::size_t q = 0; q < n; ++q) {
+    const std::ptrdiff_t m = at[q];
+    const double du = (u[m + 1] - u[m]) * ix[q], dv = (v[m + sy] - v[m]) * iy[q], dw = (w[m + sz] - w[m]) * iz[q];
+    const double third = 2.0 / 3 * (du + dv + dw), g = mu * e[m];
+    x[q] = g * (du - third), y[q] = g * (dv - third), z[q] = g * (dw - third);
+  }
 }
 
 }  // namespace
@@ -17,6 +43,7 @@ CutLinks::CutLinks(const GridMeasures& measures, const std::array<Box, 3>& faces
     : measures_(measures) {
   const OpenShares& open = *measures.open();
   if (!open.has_links()) return;
+  for (auto& p : places_) p.assign(open.theta().size(), -1);
   for (int c = 0; c < 3; ++c)
     for (int d = 0; d < 3; ++d) {
       if (!solved[c] || !solved[d] || faces[c].empty()) continue;
@@ -32,10 +59,13 @@ CutLinks::CutLinks(const GridMeasures& measures, const std::array<Box, 3>& faces
     }
   for (int c = 0; c < 3; ++c)
     if (solved[c]) list_transposed(c, faces[c], solved);
+  places_ = {};
+  for (Edges& e : edges_) e.in_links.resize(e.at.size());
+  for (auto& s : cells_.stress) s.resize(cells_.at.size());
 }
 
 /// Between a face and the next one above in d, if nothing parts them.
-bool CutLinks::link_above(int c, int d, const Int3& x, Link& link) const {
+bool CutLinks::link_above(int c, int d, const Int3& x, Link& link) {
   const OpenShares& open = *measures_.open();
   const double* theta = open.theta().data();
   const std::ptrdiff_t m = open.theta().index(x[0], x[1], x[2]), sd = open.theta().stride(d),
@@ -48,11 +78,13 @@ bool CutLinks::link_above(int c, int d, const Int3& x, Link& link) const {
   if (!(through > 0)) return false;
   Int3 edge = x;
   ++edge[d];
-  link = {m, through / theta[m], {0, 0}, {open.centre(c, m), open.centre(c, m + sd)}};
+  link = {m, -1, through / theta[m], {open.centre(c, m), open.centre(c, m + sd)}};
   if (c == d) return true;
-  link.around = around(c, d, edge);
-  link.conductance = through / mean_around(m + sd, sc, link.around.own, sd, link.around.other,
-                                           [theta](std::ptrdiff_t q) { return theta[q]; });
+  const AxisMeasure &own = measures_.axis(c), &other = measures_.axis(d);
+  link.edge = place_of_edge(3 - c - d, edge);
+  link.conductance =
+      through / mean_around(m + sd, sc, own.above_share_[edge[c] - own.lo], sd, other.above_share_[edge[d] - other.lo],
+                            [theta](std::ptrdiff_t q) { return theta[q]; });
   return true;
 }
 
@@ -67,7 +99,11 @@ void CutLinks::list_transposed(int c, const Box& faces, const std::array<bool, 3
     const auto width = [&](int d) { return measures_.axis(d).width(x[d]); };
     const double below = measures_.axis(c).half_below(x[c]), above = measures_.axis(c).half_above(x[c]);
     const int slot = int(faces_[c].size());
-    std::array<std::vector<Transposed>, 3> uncut;
+    struct Uncut {
+      Int3 at;
+      double factor;
+    };
+    std::array<std::vector<Uncut>, 3> uncut;
     bool cut = false;
     for (bool up : {false, true}) {
       const double sign = up ? 1 : -1;
@@ -77,12 +113,10 @@ void CutLinks::list_transposed(int c, const Box& faces, const std::array<bool, 3
           if (!((up ? above : below) > 0)) continue;
           const std::ptrdiff_t at = up ? m : m - sc;
           cut = cut || open.cell().data()[at] == 0;
-          Vec3 inverse;
-          for (int e = 0; e < 3; ++e)
-            inverse[e] = solved[e] ? 1 / measures_.axis(e).width(x[e] - (e == c && !up)) : 0.0;
           const double area = width((c + 1) % 3) * width((c + 2) % 3);
-          if (open.cell().data()[at] != 0)
-            uncut[d].push_back({slot, at, sign * area / theta.data()[at], inverse, {0, 0}});
+          Int3 cell = x;
+          cell[c] -= !up;
+          if (open.cell().data()[at] != 0) uncut[d].push_back({cell, sign * area / theta.data()[at]});
         } else {
           const std::ptrdiff_t at = up ? m + theta.stride(d) : m;
           const CellField<FineGrid>& edge = open.edge(3 - c - d);
@@ -92,11 +126,7 @@ void CutLinks::list_transposed(int c, const Box& faces, const std::array<bool, 3
           low[d] += up;
           // The factor of the edge is 1 over the mean of theta around it.
           if (edge.data()[at] != 0)
-            uncut[d].push_back({slot,
-                                at,
-                                sign * area / measures_.axis(c).face_width(x[c]) * edge.data()[at],
-                                {0, 0, 0},
-                                around(c, d, low)});
+            uncut[d].push_back({low, sign * area / measures_.axis(c).face_width(x[c]) * edge.data()[at]});
         }
       }
     }
@@ -112,13 +142,30 @@ void CutLinks::list_transposed(int c, const Box& faces, const std::array<bool, 3
         s.link.conductance *= more;
         steeper_[c][d].push_back(s);
       }
-    for (int d = 0; d < 3; ++d) transposed_[c][d].insert(transposed_[c][d].end(), uncut[d].begin(), uncut[d].end());
+    for (int d = 0; d < 3; ++d)
+      for (const Uncut& t : uncut[d])
+        transposed_[c][d].push_back(
+            {slot, d == c ? place_of_cell(t.at, solved) : place_of_edge(3 - c - d, t.at), t.factor});
   });
 }
 
-CutLinks::Around CutLinks::around(int c, int d, const Int3& edge) const {
-  const AxisMeasure &own = measures_.axis(c), &other = measures_.axis(d);
-  return {own.above_share_[edge[c] - own.lo], other.above_share_[edge[d] - other.lo]};
+int CutLinks::place_of_edge(int t, const Int3& x) {
+  const std::ptrdiff_t m = measures_.open()->theta().index(x[0], x[1], x[2]);
+  int& place = places_[t][std::size_t(m)];
+  if (place >= 0) return place;
+  const auto share = [&](int d) { return measures_.axis(d).above_share_[x[d] - measures_.axis(d).lo]; };
+  edges_[t].at.push_back(m);
+  edges_[t].share_a.push_back(share((t + 1) % 3)), edges_[t].share_b.push_back(share((t + 2) % 3));
+  return place = int(edges_[t].at.size()) - 1;
+}
+
+int CutLinks::place_of_cell(const Int3& x, const std::array<bool, 3>& solved) {
+  const std::ptrdiff_t m = measures_.open()->theta().index(x[0], x[1], x[2]);
+  int& place = places_[3][std::size_t(m)];
+  if (place >= 0) return place;
+  cells_.at.push_back(m);
+  for (int d = 0; d < 3; ++d) cells_.inverse[d].push_back(solved[d] ? 1 / measures_.axis(d).width(x[d]) : 0.0);
+  return place = int(cells_.at.size()) - 1;
 }
 
 /// a A/h between a face and the next one above in d.
@@ -135,105 +182,115 @@ double CutLinks::aperture(int c, int d, std::ptrdiff_t lower, const Int3& x) con
   return open_width * width(3 - c - d) / measures_.axis(d).face_width(x[d] + 1);
 }
 
-/// f(component, slot, force of the transposed gradients on one side).
-template <class F>
-inline void CutLinks::for_each_transposed(const Property& mu, const CellField<FineGrid>& e,
-                                          const FaceField<FineGrid>& u, F&& f) const {
-  const double* held = e.data();
-  const double* viscosity = mu.varies() ? mu.field().data() : nullptr;
-  for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d) {
-      const std::ptrdiff_t sd = e.stride(d), sc = e.stride(c);
-      for (const Transposed& t : transposed_[c][d]) {
-        const std::ptrdiff_t m = t.at;
-        double eps = held[m], mu_here = viscosity ? viscosity[m] : mu.number, slope;
-        if (c != d) {
-          const auto mean = [&](auto&& of) { return mean_around(m, sc, t.around.own, sd, t.around.other, of); };
-          eps = mean([held](std::ptrdiff_t q) { return held[q]; });
-          if (viscosity) mu_here = 1 / mean([viscosity](std::ptrdiff_t q) { return 1 / viscosity[q]; });
-          slope = u[d].data()[m] - u[d].data()[m - sc];
-        } else {
-          double divergence = 0;
-          for (int q = 0; q < 3; ++q) divergence += (u[q].data()[m + e.stride(q)] - u[q].data()[m]) * t.inverse[q];
-          slope = (u[c].data()[m + sc] - u[c].data()[m]) * t.inverse[c] - 2.0 / 3 * divergence;
-        }
-        f(c, t.slot, mu_here * eps * t.factor * slope);
-      }
-    }
-}
-
-void CutLinks::left_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u,
-                        std::array<std::vector<double>, 3>& force,
-                        std::array<std::vector<double>, 3>& exceeding) const {
-  for (int c = 0; c < 3; ++c) force[c].assign(faces_[c].size(), 0.0), exceeding[c].assign(faces_[c].size(), 0.0);
-  for_each_transposed(mu, e, u, [&](int c, int slot, double f) { force[c][slot] += f; });
-  for_each_steeper(mu, e, u, [&](int c, int slot, double f) { force[c][slot] -= f, exceeding[c][slot] -= f; });
-}
-
-/// mu eps a A/h; mu: harmonic mean of what is open around.
-inline double CutLinks::conductance(const Link& link, bool along, std::ptrdiff_t sc, std::ptrdiff_t sd,
-                                    const Property& mu, const double* held, const double* theta) const {
-  const double* viscosity = mu.varies() ? mu.field().data() : nullptr;
-  const std::ptrdiff_t m = link.lower, up = m + sd;
-  if (along) return (viscosity ? viscosity[m] : mu.number) * held[m] * link.conductance;
-  const auto mean = [&](auto&& of) { return mean_around(up, sc, link.around.own, sd, link.around.other, of); };
-  const double eps = mean([held](std::ptrdiff_t q) { return held[q]; });
-  if (!viscosity) return mu.number * eps * link.conductance;
-  return mean([theta](std::ptrdiff_t q) { return theta[q]; }) /
-         mean([theta, viscosity](std::ptrdiff_t q) { return theta[q] / viscosity[q]; }) * eps * link.conductance;
-}
-
-/// f(component, slot, force on the face of the slot that it has more than its neighbours give).
-template <class F>
-inline void CutLinks::for_each_steeper(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u,
-                                       F&& f) const {
+/// Of edges: mu eps, with the harmonic mean of mu; in links over what is open around.
+void CutLinks::set_means(const Property& mu, const CellField<FineGrid>& e) {
   const double* theta = measures_.open()->theta().data();
-  for (int c = 0; c < 3; ++c)
+  const double* viscosity = mu.varies() ? mu.field().data() : nullptr;
+  for (int t = 0; t < 3; ++t) {
+    Edges& edges = edges_[t];
+    const std::size_t n = edges.at.size();
+    const std::ptrdiff_t sa = e.stride((t + 1) % 3), sb = e.stride((t + 2) % 3);
+    means_around(n, viscosity ? 1.0 : mu.number, edges.at.data(), sa, edges.share_a.data(), sb, edges.share_b.data(),
+                 e.data(), edges.in_links.data());
+    if (!viscosity) continue;
+    edges.in_gradients.resize(n);
+    for (std::size_t q = 0; q < n; ++q) {
+      const auto mean = [&](auto&& of) {
+        return mean_around(edges.at[q], sa, edges.share_a[q], sb, edges.share_b[q], of);
+      };
+      const double eps = edges.in_links[q];
+      edges.in_gradients[q] = eps / mean([viscosity](std::ptrdiff_t m) { return 1 / viscosity[m]; });
+      edges.in_links[q] = eps * mean([theta](std::ptrdiff_t m) { return theta[m]; }) /
+                          mean([theta, viscosity](std::ptrdiff_t m) { return theta[m] / viscosity[m]; });
+    }
+  }
+}
+
+void CutLinks::set_stresses(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u) {
+  const std::size_t n = cells_.at.size();
+  stresses_in_cells(n, mu.varies() ? 1.0 : mu.number, cells_.at.data(), e.stride(1), e.stride(2),
+                    cells_.inverse[0].data(), cells_.inverse[1].data(), cells_.inverse[2].data(), e.data(), u[0].data(),
+                    u[1].data(), u[2].data(), cells_.stress[0].data(), cells_.stress[1].data(),
+                    cells_.stress[2].data());
+  if (!mu.varies()) return;
+  for (auto& stress : cells_.stress)
+    for (std::size_t q = 0; q < n; ++q) stress[q] *= mu.field().data()[cells_.at[q]];
+}
+
+/// mu eps a A/h, after set_means().
+inline double CutLinks::conductance(int c, int d, const Link& link, const Property& mu, const double* held) const {
+  if (c != d) return edges_[3 - c - d].in_links[link.edge] * link.conductance;
+  return (mu.varies() ? mu.field().data()[link.lower] : mu.number) * held[link.lower] * link.conductance;
+}
+
+/// After set_means().
+void CutLinks::sum_left_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u) {
+  set_stresses(mu, e, u);
+  for (int c = 0; c < 3; ++c) {
+    left_out_[c].assign(faces_[c].size(), 0.0), exceeding_[c].assign(faces_[c].size(), 0.0);
+    double *left_out = left_out_[c].data(), *exceeding = exceeding_[c].data();
+    const std::ptrdiff_t sc = e.stride(c);
     for (int d = 0; d < 3; ++d) {
-      const std::ptrdiff_t sd = e.stride(d), sc = e.stride(c);
+      if (d == c) {
+        const double* stress = cells_.stress[c].data();
+        for (const Transposed& t : transposed_[c][d]) left_out[t.slot] += stress[t.place] * t.factor;
+      } else {
+        const Edges& edges = edges_[3 - c - d];
+        const double *v = u[d].data(), *mu_eps = (mu.varies() ? edges.in_gradients : edges.in_links).data();
+        const std::ptrdiff_t* at = edges.at.data();
+        for (const Transposed& t : transposed_[c][d]) {
+          const std::ptrdiff_t m = at[t.place];
+          left_out[t.slot] += mu_eps[t.place] * t.factor * (v[m] - v[m - sc]);
+        }
+      }
       const double* v = u[c].data();
+      const std::ptrdiff_t sd = e.stride(d);
       for (const Steeper& s : steeper_[c][d]) {
         const double change = s.link.centre[1] * v[s.link.lower + sd] - s.link.centre[0] * v[s.link.lower];
-        f(c, s.slot, (s.up ? change : -change) * conductance(s.link, c == d, sc, sd, mu, e.data(), theta));
+        exceeding[s.slot] -= (s.up ? change : -change) * conductance(c, d, s.link, mu, e.data());
       }
     }
+    for (std::size_t q = 0; q < faces_[c].size(); ++q) left_out[q] += exceeding[q];
+  }
 }
 
-/// f(component, link, upper face, mu eps a A/h).
-template <class F>
-inline void CutLinks::for_each_link(const Property& mu, const CellField<FineGrid>& e, F&& f) const {
-  const double* theta = measures_.open()->theta().data();
-  for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d) {
-      const std::ptrdiff_t sd = e.stride(d), sc = e.stride(c);
-      for (const Link& link : links_[c][d])
-        f(c, link, link.lower + sd, conductance(link, c == d, sc, sd, mu, e.data(), theta));
-    }
+void CutLinks::leave_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u) {
+  set_means(mu, e);
+  sum_left_out(mu, e, u);
 }
 
 void CutLinks::add(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u,
-                   FaceField<FineGrid>& out) const {
-  for_each_link(mu, e, [&](int c, const Link& link, std::ptrdiff_t upper, double conductance) {
+                   FaceField<FineGrid>& out) {
+  leave_out(mu, e, u);
+  for (int c = 0; c < 3; ++c) {
     const double* v = u[c].data();
-    const double force = conductance * (link.centre[1] * v[upper] - link.centre[0] * v[link.lower]);
-    out[c].data()[link.lower] += force;
-    out[c].data()[upper] -= force;
-  });
-  for_each_transposed(mu, e, u, [&](int c, int slot, double f) { out[c].data()[faces_[c][slot]] -= f; });
-  for_each_steeper(mu, e, u, [&](int c, int slot, double f) { out[c].data()[faces_[c][slot]] += f; });
+    double* o = out[c].data();
+    for (int d = 0; d < 3; ++d) {
+      const std::ptrdiff_t sd = e.stride(d);
+      for (const Link& link : links_[c][d]) {
+        const double force = conductance(c, d, link, mu, e.data()) *
+                             (link.centre[1] * v[link.lower + sd] - link.centre[0] * v[link.lower]);
+        o[link.lower] += force;
+        o[link.lower + sd] -= force;
+      }
+    }
+    for (std::size_t q = 0; q < faces_[c].size(); ++q) o[faces_[c][q]] -= left_out_[c][q];
+  }
 }
 
-void CutLinks::add_diagonal(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& diagonal) const {
-  for_each_link(mu, e, [&](int c, const Link& link, std::ptrdiff_t upper, double conductance) {
-    diagonal[c].data()[link.lower] += link.centre[0] * conductance;
-    diagonal[c].data()[upper] += link.centre[1] * conductance;
-  });
-  const double* theta = measures_.open()->theta().data();
+void CutLinks::add_diagonal(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& diagonal) {
+  set_means(mu, e);
   for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d)
+    for (int d = 0; d < 3; ++d) {
+      double* o = diagonal[c].data();
+      for (const Link& link : links_[c][d]) {
+        const double g = conductance(c, d, link, mu, e.data());
+        o[link.lower] += link.centre[0] * g;
+        o[link.lower + e.stride(d)] += link.centre[1] * g;
+      }
       for (const Steeper& s : steeper_[c][d])
-        diagonal[c].data()[faces_[c][s.slot]] +=
-            s.link.centre[s.up ? 0 : 1] * conductance(s.link, c == d, e.stride(c), e.stride(d), mu, e.data(), theta);
+        o[faces_[c][s.slot]] += s.link.centre[s.up ? 0 : 1] * conductance(c, d, s.link, mu, e.data());
+    }
 }
 
 }  // namespace twogrid

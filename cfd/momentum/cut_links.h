@@ -26,59 +26,67 @@ class CutLinks {
   /// measures must outlive this.
   CutLinks(const GridMeasures& measures, const std::array<Box, 3>& faces, const std::array<bool, 3>& solved);
 
-  /// out += the links' forces on own faces, N; e: theta eps; u with halo and ghosts.
-  void add(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u,
-           FaceField<FineGrid>& out) const;
-  /// Own faces that go without transposed gradients; left_out(): of each, what it would have of them, less what its links
-  /// give it more than they take from its neighbours, N.
+  /// out += the links' forces on own faces, less what is left out of them, N; e: theta eps; u with halo and ghosts.
+  void add(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
+  /// Own faces that go without transposed gradients.
   const std::vector<std::ptrdiff_t>& faces(int c) const { return faces_[c]; }
-  /// exceeding: the latter part alone, which is the wall's and has a torque about it.
-  void left_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u,
-                std::array<std::vector<double>, 3>& force, std::array<std::vector<double>, 3>& exceeding) const;
+  /// Of each of them, what it would have of these gradients, less what its links give it more than they take from its
+  /// neighbours, N: by add() or by this.
+  void leave_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u);
+  const std::array<std::vector<double>, 3>& left_out() const { return left_out_; }
+  /// Of that the latter part alone, which is the wall's and has a torque about it.
+  const std::array<std::vector<double>, 3>& exceeding() const { return exceeding_; }
   /// diagonal += that of -add(), N s/m.
-  void add_diagonal(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& diagonal) const;
+  void add_diagonal(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& diagonal);
 
  private:
-  /// Shares of the upper cells in the means over the four around an edge, in the component's direction and in the other.
-  struct Around {
-    double own, other;
+  /// Edges along one direction, or cells, where several of the forces need the same of what lies around.
+  struct Edges {
+    std::vector<std::ptrdiff_t> at;              // memory index
+    std::vector<double> share_a, share_b;        // of the upper cells in the mean over the four around
+    std::vector<double> in_links, in_gradients;  // of the step: mu eps. The second only where mu varies: else the same
+  };
+  struct Cells {
+    std::vector<std::ptrdiff_t> at;
+    std::array<std::vector<double>, 3> inverse;  // of the widths (1/m); 0: of a direction that is left out
+    std::array<std::vector<double>, 3> stress;   // of the step: mu eps (du_c/dx_c - 2/3 div u)
   };
   struct Link {
     std::ptrdiff_t lower;  // memory index of the lower face
+    int edge;              // of edges_ of the direction other than the component's and the link's; else not used
     double conductance;    // a A/h over the mean of theta of the cells around (m)
-    Around around;         // not used along the component's own direction
     double centre[2];      // of the lower and the upper face
   };
   struct Transposed {
-    int slot;           // of the face
-    std::ptrdiff_t at;  // edge's or cell's memory index
-    double factor;      // area, of the sign of the side, over the mean of theta around; on edges over the distance, too
-    Vec3 inverse;       // of the cell's widths (1/m); not used on edges
-    Around around;      // on edges
+    int slot;       // of the face
+    int place;      // of the edge or the cell
+    double factor;  // area, of the sign of the side, over the mean of theta around; on edges over the distance, too
   };
   struct Steeper {
     int slot;  // of the face
     bool up;   // the link goes up from it
     Link link;
   };
-  bool link_above(int c, int d, const Int3& x, Link& link) const;
-  double conductance(const Link& link, bool along, std::ptrdiff_t sc, std::ptrdiff_t sd, const Property& mu,
-                     const double* held, const double* theta) const;
+  bool link_above(int c, int d, const Int3& x, Link& link);
   void list_transposed(int c, const Box& faces, const std::array<bool, 3>& solved);
-  template <class F>
-  void for_each_transposed(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u, F&& f) const;
-  template <class F>
-  void for_each_steeper(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u, F&& f) const;
-  template <class F>
-  void for_each_link(const Property& mu, const CellField<FineGrid>& e, F&& f) const;
-  Around around(int c, int d, const Int3& edge) const;
+  /// Places in edges_[t], at the low corner of cell x, and in cells_; made if need be.
+  int place_of_edge(int t, const Int3& x);
+  int place_of_cell(const Int3& x, const std::array<bool, 3>& solved);
+  void set_means(const Property& mu, const CellField<FineGrid>& e);
+  void set_stresses(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u);
+  void sum_left_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u);
+  double conductance(int c, int d, const Link& link, const Property& mu, const double* held) const;
   double aperture(int c, int d, std::ptrdiff_t lower, const Int3& x) const;
 
   const GridMeasures& measures_;
   std::array<std::array<std::vector<Link>, 3>, 3> links_;             // of component c, along d
   std::array<std::array<std::vector<Transposed>, 3>, 3> transposed_;  // the same
   std::array<std::array<std::vector<Steeper>, 3>, 3> steeper_;        // the same; conductance: times viscous less 1
+  std::array<Edges, 3> edges_;
+  Cells cells_;
+  std::array<std::vector<int>, 4> places_;  // of edges and cells, by memory index; while the lists are made
   std::array<std::vector<std::ptrdiff_t>, 3> faces_;
+  std::array<std::vector<double>, 3> left_out_, exceeding_;
 };
 
 }  // namespace twogrid

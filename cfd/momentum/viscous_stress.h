@@ -26,6 +26,7 @@ class ViscousTerm {
   void add(const Property& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
   /// Beside bodies; null: nothing is cut.
   const CutLinks* cut() const { return cut_.get(); }
+  CutLinks* cut() { return cut_.get(); }
   /// Diagonal of -add(), approximately (for Jacobi), N s/m.
   void diagonal(const Property& mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
 
@@ -59,7 +60,7 @@ class ViscousTerm {
   std::array<Slab, 3> normal_, shear_;
   Slab normal_below_;
   std::array<Slab, 2> shear_above_;
-  std::unique_ptr<const CutLinks> cut_;
+  std::unique_ptr<CutLinks> cut_;
 };
 
 }  // namespace twogrid

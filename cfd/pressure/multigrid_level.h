@@ -63,6 +63,9 @@ struct MultigridLevel {
       if (periodic[d] && n[d] == 1) g[d].fill(0);
   }
 
+  /// Of a row of own cells, what is open.
+  OpenRows::Part part(int j, int k) const { return open ? open->at(j, k) : OpenRows::Part{own.lo[0], own.hi[0]}; }
+
   TWOGRID_VECTORISED void invert_diagonal() {
     if (own.empty()) return;
     const T *gx = g[0].data(), *gy = g[1].data(), *gz = g[2].data();
@@ -98,14 +101,15 @@ struct MultigridLevel {
     };
     Box faces = own;
     if (!periodic[d] && own.hi[d] == n[d]) ++faces.hi[d];
-    const int n0 = faces.size(0);
     for (int k = faces.lo[2]; k < faces.hi[2]; ++k)
       for (int j = faces.lo[1]; j < faces.hi[1]; ++j) {
         const std::ptrdiff_t m = x.index(own.lo[0], j, k);
         const int b = std::min(j, own.hi[1] - 1) - own.lo[1], c = std::min(k, own.hi[2] - 1) - own.lo[2];
+        const OpenRows::Part p = part(own.lo[1] + b, own.lo[2] + c);
+        const int first = p.begin - own.lo[0], n0 = p.end - own.lo[0];
         T* row = sum + coarse.x.index(0, parent[1][b], parent[2][c]);
         if (d == 0) {
-          for (int i = 0; i < n0; ++i) {
+          for (int i = first; i < std::min(n0 + 1, faces.size(0)); ++i) {
             if (side_of(i) == 1) continue;  // inside a pair
             line(m + i, i > 0 ? side[0][i - 1] == 1 : pair_below[0], side_of(i) == -1);
             row[i < own.size(0) ? parent[0][i] : parent[0][i - 1] + 1] += w_d[m + i];
@@ -116,11 +120,11 @@ struct MultigridLevel {
         if (side_of(a) == 1) continue;
         const bool below = a > 0 ? side[d][a - 1] == 1 : pair_below[d], above = side_of(a) == -1;
         if (below && above)
-          for (int i = 0; i < n0; ++i) line(m + i, true, true);
+          for (int i = first; i < n0; ++i) line(m + i, true, true);
         else
-          for (int i = 0; i < n0; ++i) line(m + i, below, above);
+          for (int i = first; i < n0; ++i) line(m + i, below, above);
         if (a == own.size(d)) row += high;
-        for (int i = 0; i < n0; ++i) row[parent[0][i]] += w_d[m + i];
+        for (int i = first; i < n0; ++i) row[parent[0][i]] += w_d[m + i];
       }
   }
 

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "cfd/measures/row_measures.h"
 #include "cfd/parallel/ranks.h"
 #include "cfd/parallel/seven_point_halo.h"
 #include "cfd/parallel/vectorised.h"
@@ -16,23 +17,21 @@ namespace twogrid {
 namespace {
 constexpr char kPrefix[] = "fluid_pressure_";
 
-/// y = -A x on the rows of own cells: sum over faces of g (x_cell - x_neighbour). y has no halo.
-TWOGRID_VECTORISED void apply_operator(const Box& own, const FaceField<FineGrid>& g, const Array3<double>& x,
-                                       double* y) {
+/// y = -A x on the rows of own cells, as far as they are open: sum over faces of g (x_cell - x_neighbour). y has no halo.
+TWOGRID_VECTORISED void apply_operator(const Box& own, const OpenRows* open, const FaceField<FineGrid>& g,
+                                       const Array3<double>& x, double* y) {
   const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
-  const int n = own.size(0);
-  for (int k = own.lo[2]; k < own.hi[2]; ++k)
-    for (int j = own.lo[1]; j < own.hi[1]; ++j, y += n) {
-      const std::ptrdiff_t m = x.index(own.lo[0], j, k);
-      const double *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *a = x.data() + m;
+  for_each_row(own, open, x, [&](const Int3&, std::ptrdiff_t m, int n) {
+    const double *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *a = x.data() + m;
 #pragma GCC ivdep
-      for (int i = 0; i < n; ++i) {
-        const double c = a[i];
-        y[i] = (gx[i] * (c - a[i - 1]) + gx[i + 1] * (c - a[i + 1])) +
-               (gy[i] * (c - a[i - sy]) + gy[i + sy] * (c - a[i + sy])) +
-               (gz[i] * (c - a[i - sz]) + gz[i + sz] * (c - a[i + sz]));
-      }
+    for (int i = 0; i < n; ++i) {
+      const double c = a[i];
+      y[i] = (gx[i] * (c - a[i - 1]) + gx[i + 1] * (c - a[i + 1])) +
+             (gy[i] * (c - a[i - sy]) + gy[i + sy] * (c - a[i + sy])) +
+             (gz[i] * (c - a[i - sz]) + gz[i + sz] * (c - a[i + sz]));
     }
+    y += n;
+  });
 }
 
 /// The power of two next above x, 1 if x is zero.
@@ -46,13 +45,13 @@ double power_of_two(double x) {
 class PressureSolver::Impl {
  public:
   Impl(MPI_Comm comm, const FineGrid& grid, const Layout& layout, double rtol, const Int3& halo, const OpenRows* open)
-      : comm_(comm), grid_(grid), n_(grid.n()), multigrid_(comm, grid, layout, narrowed(halo), open) {
+      : comm_(comm), grid_(grid), n_(grid.n()), open_(open), multigrid_(comm, grid, layout, narrowed(halo), open) {
     const int rank = rank_of(comm);
     own_ = layout.cells(rank);
     halo_ = SevenPointHalo(comm, layout.all_cells(), n_, grid.periodic(), halo);
     memory_ = own_.empty() ? Box{} : own_.grown(halo);
 
-    const PetscInt local = PetscInt(own_.count());
+    const PetscInt local = PetscInt(open ? open->count() : own_.count());
     check(VecCreateMPI(comm, local, PETSC_DETERMINE, solution_.put()));
     check(VecCreateMPIWithArray(comm, 1, local, PETSC_DETERMINE, nullptr, rhs_.put()));
     check(MatCreateShell(comm, local, local, PETSC_DETERMINE, PETSC_DETERMINE, this, matrix_.put()));
@@ -121,14 +120,21 @@ class PressureSolver::Impl {
   void set_typical(double conductance) { typical_ = conductance; }
 
   int solve(const CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
-    if (!(b_store_.box() == own_)) b_store_.reset(own_);
-    copy_rows(b, b_store_, own_);
-    return solve(b_store_, phi, atol);
+    PetscInt local;
+    check(VecGetLocalSize(solution_, &local));
+    b_store_.resize(std::size_t(local));
+    rows(b, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(b.data() + m, n, b_store_.data() + p); });
+    return solve(b_store_.data(), phi, atol);
   }
 
   int solve(CellField<FineGrid>& b, CellField<FineGrid>& phi, double atol) {
-    if (!(b.box() == own_)) return solve(static_cast<const CellField<FineGrid>&>(b), phi, atol);
-    check(VecPlaceArray(rhs_, b.data()));
+    if (open_ || !(b.box() == own_)) return solve(static_cast<const CellField<FineGrid>&>(b), phi, atol);
+    return solve(b.data(), phi, atol);
+  }
+
+ private:
+  int solve(double* b, CellField<FineGrid>& phi, double atol) {
+    check(VecPlaceArray(rhs_, b));
     int iterations = 0;
     try {
       iterations = solve_in_place(phi, atol);
@@ -140,7 +146,6 @@ class PressureSolver::Impl {
     return iterations;
   }
 
- private:
   int solve_in_place(CellField<FineGrid>& phi, double atol) {
     // The solver works with -A, which is positive definite.
     check(VecScale(rhs_, -1));
@@ -228,14 +233,20 @@ class PressureSolver::Impl {
     return largest;
   }
 
-  /// Calls f(memory index in a, position in a Vec's local part, row length) for each row of own cells.
+  /// Calls f(memory index in a, position in a Vec's local part, length) for each row of own cells, as far as it is open.
   template <class A, class F>
   void rows(const A& a, F&& f) const {
     const int n = own_.size(0);
     std::ptrdiff_t v = 0;
     if (own_.empty()) return;
     for (int k = own_.lo[2]; k < own_.hi[2]; ++k)
-      for (int j = own_.lo[1]; j < own_.hi[1]; ++j, v += n) f(a.index(own_.lo[0], j, k), v, n);
+      for (int j = own_.lo[1]; j < own_.hi[1]; ++j)
+        if (!open_) {
+          f(a.index(own_.lo[0], j, k), v, n), v += n;
+        } else {
+          const OpenRows::Part p = open_->at(j, k);
+          f(a.index(p.begin, j, k), v, p.size()), v += p.size();
+        }
   }
 
   void load(const CellField<FineGrid>& field, Vec to) const {
@@ -253,10 +264,12 @@ class PressureSolver::Impl {
     double sum[2] = {0, 0};
     if (singular_) {
       const PetscScalar* p = v;
-      for_each(own_, [&](int i, int j, int k) {
-        const double volume = grid_.volume(i, j, k);
-        sum[0] += volume * *p++;
-        sum[1] += volume;
+      for_each_row(own_, open_, field, [&](const Int3& x, std::ptrdiff_t, int n) {
+        for (int i = 0; i < n; ++i) {
+          const double volume = grid_.volume(x[0] + i, x[1], x[2]);
+          sum[0] += volume * *p++;
+          sum[1] += volume;
+        }
       });
       MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, comm_);
     }
@@ -331,7 +344,7 @@ class PressureSolver::Impl {
     if ((error = VecRestoreArrayRead(x, &from))) return error;
     self->halo_.bring<double>({self->x_});
     if ((error = VecGetArrayWrite(y, &to))) return error;
-    if (!self->own_.empty()) apply_operator(self->own_, *self->g_, *self->x_, to);
+    if (!self->own_.empty()) apply_operator(self->own_, self->open_, *self->g_, *self->x_, to);
     return VecRestoreArrayWrite(y, &to);
   }
 
@@ -378,6 +391,7 @@ class PressureSolver::Impl {
   FineGrid grid_;
   Int3 n_;
   Box own_;
+  const OpenRows* open_;  // what the vectors hold of each row; null: all of it
   bool singular_ = false, known_ = false;
   double target_ = 0;                          // residual norm at which to stop
   double typical_ = 0;                         // conductance, of the first operator that has one
@@ -387,7 +401,8 @@ class PressureSolver::Impl {
   FaceField<FineGrid>* g_ = nullptr;  // the operator: the caller's, or the copy
   CellField<FineGrid>* x_ = nullptr;  // what is multiplied by it, with halo: the caller's phi, or a copy
   FaceField<FineGrid> g_store_;       // these three: only where the caller's arrays can't be used in place
-  CellField<FineGrid> x_store_, b_store_;
+  CellField<FineGrid> x_store_;
+  std::vector<double> b_store_;
   Multigrid<float> multigrid_;  // a preconditioner: half the bytes, and rounding is put right by the iteration
   PetscVector rhs_, solution_;  // rhs_ is the caller's array
   PetscVector residual_;        // made when first needed

@@ -18,7 +18,7 @@ import numpy as np
 from harness import Checks, Run, arguments, data_file, head_with_particles
 
 H = 1e-3
-MOST = 1.6  # 1.54 measured; wanted: 1.15
+MOST = 1.4  # 1.374 measured; wanted: 1.15
 
 
 def scene(axis, across, along, vessel, steps):
@@ -28,14 +28,15 @@ def scene(axis, across, along, vessel, steps):
     a, sides = "xyz"[axis], [d for d in range(3) if d != axis]
     text = head_with_particles(1e-5, boundary="f f f")
     if vessel:
-        text += f"region vessel cylinder {a} {0.5 * size[sides[0]]!r} {0.5 * size[sides[1]]!r} {0.4999 * H * across!r} INF INF side out units box\n"
+        what = f"{a}cylinder {0.4999 * H * across!r} {0.5 * size[sides[0]]!r} {0.5 * size[sides[1]]!r}"
+        text += f"fix steel all wall/gran model hooke/stiffness tangential history primitive type 1 {what} absolute_damping on\n"
     text += f"""fix gas all twogrid fine {n[0]} {n[1]} {n[2]} ratio 2 2 2 density 1.2 viscosity 1.8e-5 every 10
 fix_modify gas initial u {' '.join('0.6' if d == axis else '0' for d in range(3))}
 fix_modify gas boundary {a}lo inlet {' '.join('0.6' if d == axis else '0' for d in range(3))} boundary {a}hi pressure 0
 """
     text += "".join(f"fix_modify gas boundary {'xyz'[d]}lo noslip boundary {'xyz'[d]}hi noslip\n" for d in sides)
     if vessel:
-        text += "fix_modify gas solid vessel region vessel noslip\n"
+        text += "fix_modify gas solid vessel wall steel noslip\n"
     return data_file(" ".join(f"0 {s!r}" for s in size), [tuple(0.5 * s for s in size)], 1e-3, 2500), text + f"thermo 10\nrun {steps}\n"
 
 
