@@ -22,8 +22,8 @@ struct Taylor {
     return r;
   }
   double second(int a, int b) const {
-    static constexpr int first[4] = {0, 3, 5, 6};
-    return a < b ? h[first[a] + b] : h[first[b] + a];
+    const int low = a < b ? a : b, high = a < b ? b : a;
+    return h[low * (7 - low) / 2 + high];
   }
   /// f(this), given f, f' and f'' at the value.
   Taylor chain(double f, double f1, double f2) const {
@@ -52,17 +52,41 @@ inline Taylor operator*(const Taylor& a, const Taylor& b) {
   }
   return r;
 }
-inline Taylor operator-(const Taylor& a, const Taylor& b) {
-  return a + Taylor(-1) * b;
+inline Taylor operator*(double a, Taylor b) {
+  b.v *= a;
+  for (double& g : b.g) g *= a;
+  for (double& h : b.h) h *= a;
+  return b;
+}
+inline Taylor operator+(Taylor a, double b) {
+  a.v += b;
+  return a;
+}
+inline Taylor operator+(double a, const Taylor& b) {
+  return b + a;
+}
+inline Taylor operator-(const Taylor& a, double b) {
+  return a + -b;
+}
+inline Taylor operator-(double a, const Taylor& b) {
+  return -1 * b + a;
+}
+inline Taylor operator-(Taylor a, const Taylor& b) {
+  a.v -= b.v;
+  for (int i = 0; i < 4; ++i) a.g[i] -= b.g[i];
+  for (int i = 0; i < 10; ++i) a.h[i] -= b.h[i];
+  return a;
 }
 inline Taylor operator/(const Taylor& a, const Taylor& b) {
   return a * b.chain(1 / b.v, -1 / (b.v * b.v), 2 / (b.v * b.v * b.v));
 }
 inline Taylor sin(const Taylor& a) {
-  return a.chain(std::sin(a.v), std::cos(a.v), -std::sin(a.v));
+  const double s = std::sin(a.v), c = std::cos(a.v);
+  return a.chain(s, c, -s);
 }
 inline Taylor cos(const Taylor& a) {
-  return a.chain(std::cos(a.v), -std::sin(a.v), -std::cos(a.v));
+  const double s = std::sin(a.v), c = std::cos(a.v);
+  return a.chain(c, -s, -c);
 }
 
 /// Exact fields at a point: void fraction, volume flux eps u and pressure.
@@ -86,12 +110,14 @@ inline double mass_residual(const ExactFields& e) {
 
 /// rho [d(eps u)/dt + div(eps u u) - q u] + s dp/dx_i - div(eps tau), component i; s = eps (formulation A) or 1 (B).
 inline double momentum_residual(const ExactFields& e, int i, double rho, double mu, bool formulation_a) {
-  const std::array<Taylor, 3> u{e.flux[0] / e.eps, e.flux[1] / e.eps, e.flux[2] / e.eps};
+  const double v = e.eps.v;
+  const Taylor inverse = e.eps.chain(1 / v, -1 / (v * v), 2 / (v * v * v));
+  const std::array<Taylor, 3> u{e.flux[0] * inverse, e.flux[1] * inverse, e.flux[2] * inverse};
   double sum = rho * e.flux[i].g[3] - rho * mass_residual(e) * u[i].v + (formulation_a ? e.eps.v : 1.0) * e.p.g[i];
   double divergence = 0;
   for (int j = 0; j < 3; ++j) divergence += u[j].g[j];
   for (int j = 0; j < 3; ++j) {
-    sum += rho * (e.flux[j] * u[i]).g[j];
+    sum += rho * (e.flux[j].g[j] * u[i].v + e.flux[j].v * u[i].g[j]);
     sum -= mu * (e.eps.g[j] * (u[i].g[j] + u[j].g[i]) + e.eps.v * (u[i].second(j, j) + u[j].second(i, j)));
     sum += mu * 2.0 / 3.0 * e.eps.v * u[j].second(i, j);
   }

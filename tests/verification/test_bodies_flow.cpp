@@ -171,8 +171,8 @@ FluidSettings fast_gas(double cfl, double Re) {
 }
 
 /// Starts at once, at high Courant numbers; eps moves through the last body.
-void start_at_once(double Re) {
-  for (double cfl : {0.4, 0.9}) {
+void start_at_once(double Re, const std::vector<double>& limits) {
+  for (double cfl : limits) {
     const std::array<std::vector<double>, 3> nodes{uniform(0, 1, 16), uniform(0, 1, 16), uniform(0, 2, 32)};
     const std::array<bool, 3> periodic{false, false, false};
     FluidSettings s = fast_gas(cfl, Re);
@@ -201,10 +201,10 @@ void start_at_once(double Re) {
 }  // namespace
 
 TEST(BodiesInFlow, StartsAtHighCourantNumbers) {
-  start_at_once(1e3);
+  start_at_once(1e3, {0.9});
 }
 
 // Gas so thin that friction at the walls is nothing.
 TEST(BodiesInFlow, StartsOfThinGas) {
-  start_at_once(1e5);
+  start_at_once(1e5, {0.4, 0.9});
 }

@@ -54,7 +54,10 @@ TEST(Central, EqualStepsUpToTheLargestCfl) {
   // 1000 steps: later the vortices break up by themselves, as inviscid ones must.
   const double largest = FluidSettings::largest_cfl(Convection::kCentral);
   double bound = 0;
-  for (double courant : {0.2, 0.3, 0.4, 0.5, largest, 0.65, 0.7, 0.75, 0.8}) {
+  const std::vector<double> tried = ranks_of(MPI_COMM_WORLD) > 1
+                                        ? std::vector<double>{largest}
+                                        : std::vector<double>{0.2, 0.3, 0.4, 0.5, largest, 0.65, 0.7, 0.75, 0.8};
+  for (double courant : tried) {
     const double e = error_after(1000, courant);
     report("inviscid vortices, 1000 steps at a Courant number of %.2f: error %.1e U\n", courant, e);
     if (courant <= largest) {
@@ -68,7 +71,8 @@ TEST(Central, EqualStepsUpToTheLargestCfl) {
 
 TEST(Central, EnergyStaysWhenTheFlowChoosesTheStep) {
   // Long enough for the vortices to break up into a flow of all scales, in which speeds change and steps with them.
-  for (double cfl : {0.4, FluidSettings::largest_cfl(Convection::kCentral)}) {
+  for (double cfl : {FluidSettings::largest_cfl(Convection::kCentral), 0.4}) {
+    if (cfl == 0.4 && ranks_of(MPI_COMM_WORLD) > 1) break;
     FluidSettings s = inviscid();
     s.cfl = cfl;
     Vortices box(s);

@@ -203,7 +203,10 @@ std::vector<Vessel> vessels() {
 
 TEST(PressureIterations, AroundBodies) {
   report("%-34s along  empty  surface 0.4/1  bubbles 0.4/1  of fine grains\n", "iterations to 1e-6");
-  for (const Vessel& v : vessels()) {
+  const std::vector<Vessel> all = vessels();
+  // On several ranks every fourth: the box, a tilted cylinder, a tube bank, a draft tube.
+  for (std::size_t q = 0; q<all.size(); q += ranks_of(MPI_COMM_WORLD)> 1 ? 4 : 1) {
+    const Vessel& v = all[q];
     const auto found = iterations(v);
     report("%-34s %5c %6d %14d %14d %15d\n", v.name, "xyz"[v.along], found[0], found[1], found[2], found[3]);
     for (int n : {found[0], found[1], found[2]}) EXPECT_LE(n, v.wanted) << v.name;
