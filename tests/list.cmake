@@ -37,7 +37,7 @@ twogrid_test(NAME verification_bodies RANKS 1 TIMEOUT 400 LABELS verification
 # The orders of convergence don't depend on the ranks; the flows do not either, to the solver's tolerance. Many steps on few
 # cells are messages above all: on two ranks they will do.
 set(NOT_ON_RANKS Manufactured.*:StretchedGrid.*:Cavity.*:${OF_BODIES})
-set(MANY_STEPS Central.Energy*:OpenShares.UniformFriction*:OpenShares.PoiseuilleBetween*:VoidFractionJump.BareJumpThatMoves*:VoidFractionJump.*MovingBed)
+set(MANY_STEPS Central.E*:OpenShares.UniformFriction*:OpenShares.PoiseuilleBetween*:VoidFractionJump.BareJumpThatMoves*:VoidFractionJump.*MovingBed)
 twogrid_test(NAME verification_flows RANKS 2 TIMEOUT 400 LABELS verification
              COMMAND $<TARGET_FILE:verification_tests> --gtest_filter=-${NOT_ON_RANKS})
 twogrid_test(NAME verification_flows RANKS 4 TIMEOUT 400 LABELS verification
