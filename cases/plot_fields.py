@@ -205,6 +205,68 @@ def pressure_profile(file):
     return figure
 
 
+def body_forces(file):
+    """Force of the gas on each body over time, one panel a body."""
+    names = file["grid/bodies"].attrs["names"].decode().split()
+    at = frames(file)
+    time = [file["fluid"][n]["time"][()] for n in at]
+    force = np.stack([file["fluid"][n]["bodies/force"][:] for n in at])
+    figure, axes = plt.subplots(1, len(names), figsize=(1.2 + 3.4 * len(names), 3.0), squeeze=False, layout="constrained")
+    for b, (ax, name) in enumerate(zip(axes[0], names)):
+        for d in range(3):
+            ax.plot(time, force[:, b, d], color=f"C{d}", linewidth=1.2, label="xyz"[d])
+        ax.set_title(name)
+        ax.set_xlabel("t / s")
+    axes[0][0].set_ylabel("force of the gas / N")
+    axes[0][0].legend()
+    return figure
+
+
+def wall_profiles(file, steps=30):
+    """Over height: vertical friction and pressure on the bodies' surfaces, means by area; time means, or of the last frame."""
+    walls = file["grid/walls"]
+    values = file["average/walls"] if "average/walls" in file else file["walls"][sorted(file["walls"])[-1]]
+    names = file["grid/bodies"].attrs["names"].decode().split()
+    z, area, body = walls["centre"][:, 2], walls["area"][:], walls["body"][:]
+    edges = np.linspace(z.min(), z.max() + 1e-9, min(steps, max(2, len(np.unique(z)))) + 1)
+    figure, axes = plt.subplots(1, 2, figsize=(7.0, 3.4), sharey=True, layout="constrained")
+    for b, name in enumerate(names):
+        for ax, v in zip(axes, (values["friction"][:, 2], values["pressure"][:])):
+            of = body == b
+            whole = np.histogram(z[of], edges, weights=area[of])[0]
+            mean = np.histogram(z[of], edges, weights=(area * v)[of])[0] / np.where(whole > 0, whole, np.nan)
+            ax.plot(mean, centres(edges) * MM, marker=".", linewidth=1.2, label=name)
+    axes[0].set_xlabel("friction on the wall, upwards / Pa")
+    axes[1].set_xlabel("pressure on the wall / Pa")
+    axes[0].set_ylabel("z / mm")
+    axes[0].legend()
+    return figure
+
+
+def surface(file, most=20000):
+    """The bodies' surfaces in three dimensions: size of the friction, and pressure; time means, or of the last frame."""
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+    walls = file["grid/walls"]
+    values = file["average/walls"] if "average/walls" in file else file["walls"][sorted(file["walls"])[-1]]
+    points, polygons = walls["points"][:] * MM, walls["polygons"][:]
+    outlines, at = [], 0
+    while at < len(polygons):
+        outlines.append(points[polygons[at + 2:at + 2 + polygons[at + 1]]])
+        at += 2 + polygons[at + 1]
+    step = 1 + len(outlines) // most
+    figure = plt.figure(figsize=(8.4, 4.0), layout="constrained")
+    for place, (label, v) in enumerate((("friction / Pa", np.linalg.norm(values["friction"][:], axis=1)), ("pressure / Pa", values["pressure"][:]))):
+        ax = figure.add_subplot(1, 2, place + 1, projection="3d")
+        low, high = np.percentile(v, (1, 99))
+        shown = Poly3DCollection(outlines[::step], array=v[::step], cmap="viridis", clim=(low, max(high, low + 1e-12 * (1 + abs(low)))))
+        ax.add_collection3d(shown)
+        lo, hi = points.min(axis=0), points.max(axis=0)
+        ax.set(xlim=(lo[0], hi[0]), ylim=(lo[1], hi[1]), zlim=(lo[2], hi[2]), xlabel="x / mm", ylabel="y / mm", zlabel="z / mm")
+        ax.set_box_aspect(np.maximum(hi - lo, 1e-3 * (hi - lo).max()))
+        figure.colorbar(shown, ax=ax, label=label, shrink=0.7, pad=0.12)
+    return figure
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("file", help="HDF5 file of a run")
@@ -236,6 +298,11 @@ def main():
             last = len(file["fluid"]) - 1
             which = o.frames if o.frames is not None else sorted({last // 3, 2 * last // 3, last})
             save(snapshots(file, which, top), "snapshots")
+            if "grid/bodies" in file and last > 0:
+                save(body_forces(file), "body_forces")
+            if "grid/walls" in file:
+                save(wall_profiles(file), "walls")
+                save(surface(file), "surface")
         else:
             print("no frames in this file: fix_modify ID output every N makes them")
 

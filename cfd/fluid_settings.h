@@ -72,6 +72,7 @@ struct FluidSettings {
   std::vector<Body> bodies;        ///< vessels and bodies inside the grid (bodies/cut_grid.h)
   std::vector<Vec3> fluid_at;      ///< points that the fluid holds, where no inlet or outlet tells
   std::vector<Vec3> particles_at;  ///< where particles lie: asked where parts on both sides reach inlets or outlets
+  bool wall_stress = false;        ///< stress on the bodies' surfaces is wanted (bodies/wall_stress.h)
   OpenSpaceModel open_space;       ///< in place of bodies: shares as given (tests)
   double pressure_rtol = 1e-6;     ///< continuity error wanted, relative to U/h; also -fluid_pressure_rtol
   /// Central convection damps nothing: extrapolated in time it grows above a Courant number of 0.67 (in theory;

@@ -39,6 +39,9 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
   for (auto* c : {&state_.p, &state_.phi}) c->reset(domain_.local);
   if (domain_.measures.open()) reset(state_.i_f, domain_.local), state_.eps_open.reset(domain_.local, 1.0);
   state_.imposed = settings_.pressure_gradient;
+  properties_.viscosity.number = settings_.viscosity;
+  if (settings_.wall_stress && !settings_.bodies.empty())
+    wall_stress_ = std::make_unique<WallStress>(domain_, settings_.bodies, state_, properties_.viscosity);
 }
 
 FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
@@ -74,7 +77,8 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
     monitors_.measure(state_, predictor_.inlet_head(), projection_.velocity_scale(), step.dt / interval, report);
     if (body_forces_.any())
       body_forces_.add(step.dt / interval, state_, properties_.viscosity, predictor_.lost_convection(),
-                       predictor_.lost_stress(), predictor_.exceeding(), predictor_.sliver_drag(), predictor_.sliver_pull());
+                       predictor_.lost_stress(), predictor_.exceeding(), predictor_.sliver_drag(),
+                       predictor_.sliver_pull());
     if (step.implicit_viscosity) projection_.rotate_pressure(properties_.viscosity, state_);
     for (auto& model : models_) model->step(domain_, step, state_);
     done += step.dt;

@@ -30,6 +30,7 @@
 #include <vector>
 
 #include "cfd/bodies/body_forces.h"
+#include "cfd/bodies/wall_stress.h"
 #include "cfd/fluid/domain.h"
 #include "cfd/fluid/flow_rate.h"
 #include "cfd/fluid/fluid.h"
@@ -94,7 +95,8 @@ class FluidSolver : public Fluid {
   int add_field(const std::string& name, const std::string& unit, double value);
   const std::vector<ModelField>& model_fields() const override { return state_.fields; }
   /// Forces on the bodies (FluidSettings::bodies), means over the last interval; empty where there are none.
-  const std::vector<BodyForce>& body_forces() const { return body_forces_.forces(); }
+  const std::vector<BodyForce>& body_forces() const override { return body_forces_.forces(); }
+  WallStress* wall_stress() const override { return wall_stress_.get(); }
   /// What another model gives it, such as a heat source of the particles.
   CellField<FineGrid>& model_field(int place) { return state_.fields[place].values; }
 
@@ -138,6 +140,7 @@ class FluidSolver : public Fluid {
   IntervalMeans means_;
   Monitors monitors_;
   BodyForces body_forces_;
+  std::unique_ptr<WallStress> wall_stress_;  // only if wanted
 
   // Work. Fields that are never needed at the same time share memory. Doubles a cell, H: on own cells and the halo, else
   // on own cells:

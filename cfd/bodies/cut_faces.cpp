@@ -35,19 +35,21 @@ double CutFaces::reach(int d, const Int3& low, bool from_high) const {
   return !c ? 1.0 : from_high ? c->high : c->low;
 }
 
-CutFaces::Open CutFaces::open(int d, const Int3& face) const {
+CutFaces::Outline CutFaces::outline(int d, const Int3& face) const {
+  Outline out;
   VertexKind kind[4];
   int fluid = 0, solid = 0;
   for (unsigned q = 0; q < 4; ++q) {
     kind[q] = corner(d, face, q);
     fluid += kind[q] == VertexKind::kFluid, solid += kind[q] == VertexKind::kSolid;
   }
-  if (fluid == 4) return {1, {0.5, 0.5}};
-  if (fluid == 0) return {};
-  // Around the face: fluid corners and the first crossings from them.
-  Point point[8];
-  int n = 0, first[4] = {0, 0, 0, 0};  // first: place of a fluid corner's own points
+  if (fluid == 0) return out;
   bool at_ends = solid == 0;
+  const auto put = [&](const Point& p, unsigned from, unsigned to) {
+    out.point[out.n] = p;
+    out.from[out.n] = static_cast<unsigned char>(from), out.to[out.n] = static_cast<unsigned char>(to);
+    ++out.n;
+  };
   const auto crossing = [&](unsigned from, unsigned to) {
     const int along = (from ^ to) == 1 ? 0 : 1;  // edge in the first or in the second direction
     Int3 low = face;
@@ -57,26 +59,28 @@ CutFaces::Open CutFaces::open(int d, const Int3& face) const {
     at_ends = at_ends && way >= kAtEnd;
     Point p = kCorner[from];
     p[along] = from_high ? 1 - way : way;
-    point[n++] = p;
+    put(p, from, to);
   };
   for (int a = 0; a < 4; ++a) {
     const unsigned here = kAround[a], before = kAround[(a + 3) % 4], after = kAround[(a + 1) % 4];
     if (kind[here] != VertexKind::kFluid) continue;
-    first[a] = n;
     if (kind[before] != VertexKind::kFluid) crossing(here, before);
-    point[n++] = kCorner[here];
+    put(kCorner[here], here, here);
     if (kind[after] != VertexKind::kFluid) crossing(here, after);
   }
-  if (at_ends) return {1, {0.5, 0.5}};
+  out.whole = fluid == 4 || at_ends;
+  // Two corners that the solid between them parts.
+  out.parted = !out.whole && fluid == 2 && kind[0] == kind[3] && !fluid_centre(d, face);
+  return out;
+}
+
+CutFaces::Open CutFaces::open(int d, const Int3& face) const {
+  const Outline around = outline(d, face);
+  if (around.n == 0) return {};
+  if (around.whole) return {1, {0.5, 0.5}};
   double sum[3] = {0, 0, 0};
-  const bool opposite = fluid == 2 && kind[0] == kind[3];
-  if (opposite && !fluid_centre(d, face)) {
-    // Two corners that the solid between them parts.
-    for (int a = 0; a < 4; ++a)
-      if (kind[kAround[a]] == VertexKind::kFluid) add_polygon(point + first[a], 3, sum);
-  } else {
-    add_polygon(point, n, sum);
-  }
+  const int each = around.parted ? 3 : around.n;
+  for (int first = 0; first < around.n; first += each) add_polygon(around.point.data() + first, each, sum);
   if (!(sum[0] > 0)) return {};
   const double share = std::min(sum[0], 1.0);
   return {share, {sum[1] / sum[0], sum[2] / sum[0]}};

@@ -18,6 +18,17 @@ class CutFaces {
     std::array<double, 2> centroid{0.5, 0.5};
   };
   Open open(int d, const Int3& face) const;
+  /// What bounds a face's open part: fluid corners and the first crossings from them, one after the other around it.
+  struct Outline {
+    using Point = std::array<double, 2>;  ///< shares of the face's widths in the two directions that follow d
+    int n = 0;
+    std::array<Point, 8> point;
+    std::array<unsigned char, 8> from, to;  ///< a crossing on the way from a corner to another; the same: that corner
+    bool parted = false;                    ///< two triangles at opposite corners, of three points each
+    bool whole = false;                     ///< the surface meets its edges at their ends only
+  };
+  /// Empty where no corner is in the fluid.
+  Outline outline(int d, const Int3& face) const;
   /// Whether an uncrossed way along the axes joins the face's centre to a corner in the fluid.
   bool fluid_centre(int d, const Int3& face) const;
   /// Open share of a cell's volume: the polyhedron of the open parts of its faces (of the given shares) and of a wall of

@@ -7,6 +7,7 @@
 #include "cfd/bodies/refusals.h"
 #include "cfd/bodies/sheets.h"
 #include "cfd/bodies/wall_links.h"
+#include "cfd/bodies/wall_outlines.h"
 
 namespace twogrid {
 
@@ -38,6 +39,7 @@ CutReport cut_grid(MPI_Comm comm, const FineGrid& grid, const Layout& layout, co
     for_each(local.own_faces[d], [&](int i, int j, int k) { space.alpha[d](i, j, k) = alpha[d](i, j, k); });
   for_each(local.own, [&](int i, int j, int k) { space.theta(i, j, k) = theta(i, j, k); });
   links.fill(space);
+  if (settings.wall_stress) outline_walls(local, faces, alpha, space);
 
   refuse_covered(local, alpha);
   sum_up(local, surfaces, edges, vertices, space, report);

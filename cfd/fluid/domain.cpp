@@ -114,6 +114,7 @@ void FluidDomain::make_open_shares() {
     throw std::invalid_argument("the bodies leave no room for the fluid; wanted: some open cells in its domain");
   held.slivers = std::move(space.slivers);
   held.pieces = std::move(space.pieces), held.surface = std::move(space.surface);
+  held.outlines = std::move(space.outlines);
   held.volume = sums[4];
   measures.set_open(std::make_unique<const OpenShares>(measures, local, own, faces, solved, std::move(held)));
   boundaries.close_faces(comm, *measures.open());

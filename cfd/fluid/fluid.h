@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cfd/bodies/body_force.h"
 #include "cfd/grid/field.h"
 #include "cfd/grid/grid.h"
 #include "cfd/grid/layout.h"
@@ -11,6 +12,8 @@
 #include "cfd/measures/open_shares.h"
 
 namespace twogrid {
+
+class WallStress;
 
 /// Values on own faces that are made row by row where they are used, in place of a field.
 class FaceRows {
@@ -102,6 +105,13 @@ class Fluid {
   virtual const CellField<FineGrid>& pressure() const = 0;
   virtual const CellField<FineGrid>& void_fraction() const = 0;  ///< of the open space
   virtual double time() const = 0;
+  /// Forces on the bodies in the grid, means over the last interval, the same on all ranks; empty where there are none.
+  virtual const std::vector<BodyForce>& body_forces() const {
+    static const std::vector<BodyForce> kNone;
+    return kNone;
+  }
+  /// Place by place on the bodies' surfaces; null unless asked for (FluidSettings::wall_stress).
+  virtual WallStress* wall_stress() const { return nullptr; }
   /// Those of models, for output and for what reads them.
   virtual const std::vector<ModelField>& model_fields() const {
     static const std::vector<ModelField> kNone;

@@ -29,6 +29,7 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const Box
       slivers_(std::move(held.slivers)),
       pieces_(std::move(held.pieces)),
       surface_(std::move(held.surface)),
+      outlines_(std::move(held.outlines)),
       volume_(held.volume) {
   for (int d = 0; d < 3; ++d) {
     centre_[d] = exceptions(held.centre[d]), viscous_[d] = exceptions(held.viscous[d]);

@@ -70,6 +70,7 @@ struct OpenSpace {
   std::vector<Sliver> slivers;
   std::vector<WallPiece> pieces;  ///< friction from which K' is made: K' theta_f V_f = sum of conductances
   std::vector<WallCell> surface;
+  std::vector<std::vector<Vec3>> outlines;  ///< of the surface in these cells (m), where they are asked for
 };
 
 /// Fills the shares of the rank's own faces and cells, in which on entry all is open and there is no friction. Called
@@ -89,6 +90,7 @@ class OpenShares {
     std::vector<Sliver> slivers;
     std::vector<WallPiece> pieces;
     std::vector<WallCell> surface;
+    std::vector<std::vector<Vec3>> outlines;
     double volume = 0;  // of the whole domain's open part (m3)
   };
   /// own, faces: the rank's own cells and faces.
@@ -122,6 +124,8 @@ class OpenShares {
   const std::vector<Sliver>& slivers() const { return slivers_; }
   const std::vector<WallPiece>& pieces() const { return pieces_; }
   const std::vector<WallCell>& surface() const { return surface_; }
+  /// A closed line around each of them; empty unless asked for.
+  const std::vector<std::vector<Vec3>>& outlines() const { return outlines_; }
   bool has_friction() const { return friction_[0].size() > 0; }
   /// K' of own faces.
   const FaceField<FineGrid>& friction() const { return friction_; }
@@ -164,6 +168,7 @@ class OpenShares {
   std::vector<Sliver> slivers_;
   std::vector<WallPiece> pieces_;
   std::vector<WallCell> surface_;
+  std::vector<std::vector<Vec3>> outlines_;
   double volume_;
   OpenRows cells_;
   std::array<OpenRows, 3> faces_, surroundings_;

@@ -24,12 +24,13 @@
 #include "coupling/output/averages.h"
 #include "coupling/output/on_disk.h"
 #include "coupling/output/output.h"
+#include "coupling/output/wall_writer.h"
 
 namespace twogrid {
 
 namespace {
 
-constexpr char kKeyword[] = "checkpoint", kOutput[] = "/output", kAverages[] = "/averages";
+constexpr char kKeyword[] = "checkpoint", kOutput[] = "/output", kAverages[] = "/averages", kWalls[] = "/walls";
 constexpr double kMost = 9e15;  // steps, particles
 constexpr int kVersion = 3;
 
@@ -101,6 +102,7 @@ void for_each_state(const CheckpointParts& c, F&& f) {
   f("/schedule", c.schedule);
   if (c.output) f(kOutput, c.output->state());
   if (c.output && c.output->averages()) f(kAverages, c.output->averages()->state());
+  if (c.output && c.output->wall_means()) f(kWalls, *c.output->wall_means());
   f("/report", c.coupling.report_to_restore());
   for (const NumberList& list : c.numbers) f("/" + list.group, list);
 }
@@ -348,7 +350,7 @@ void read_checkpoint(const std::string& path, const CheckpointParts& c) {
       c.coupling.restored();
     }
     // Another script may want output, or means, that the first had none of: they begin.
-    if ((group == kOutput || group == kAverages) && !file.has(group)) return;
+    if ((group == kOutput || group == kAverages || group == kWalls) && !file.has(group)) return;
     states.read(group, state);
   });
   file.close();

@@ -16,6 +16,7 @@
 #include "coupling/output/on_disk.h"
 #include "coupling/output/record.h"
 #include "coupling/output/run_files.h"
+#include "coupling/output/wall_writer.h"
 #include "coupling/output/xdmf.h"
 #include "coupling/two_grid/particle_grid.h"
 
@@ -43,6 +44,11 @@ OutputSettings with_default_fields(OutputSettings s, const Fluid& fluid) {
     s.fields = {"u", "p", "eps"};
     for (const ModelField& f : fluid.model_fields()) s.fields.push_back(f.name);
   }
+  if (wants("walls") && !fluid.wall_stress())
+    throw std::invalid_argument(
+        "output fields: found 'walls', the stress on the surfaces of bodies, in a fluid without bodies; wanted: "
+        "'solid' "
+        "(fix_modify ID solid NAME mesh FIXID), or 'walls' left out");
   if (wants("faces") && !wants("eps")) s.fields.push_back("eps");
   return s;
 }
@@ -50,7 +56,7 @@ OutputSettings with_default_fields(OutputSettings s, const Fluid& fluid) {
 }  // namespace
 
 const std::vector<std::string>& output_fields() {
-  static const std::vector<std::string> kFields{"u", "p", "eps", "faces"};
+  static const std::vector<std::string> kFields{"u", "p", "eps", "faces", "walls"};
   return kFields;
 }
 
@@ -75,6 +81,7 @@ class Output::Impl {
   std::string sync();
   OutputState& state() { return state_; }
   Averages* averages() { return averages_.get(); }
+  WallMeansState* wall_means() { return walls_.has_means() ? &walls_.state() : nullptr; }
 
  private:
   std::string id() const;
@@ -85,7 +92,8 @@ class Output::Impl {
   void write_means(GrowingFile& file);
   void show_means();
   /// Written over, once they are in the file.
-  double room_for_means() const { return means_written_ > 0 ? 0 : averages_->bytes(); }
+  double room_for_means() const { return means_written_ > 0 ? 0 : averages_->bytes() + walls_.bytes_of_means(); }
+  void make_groups(GrowingFile& file) const;
 
   MPI_Comm comm_;
   int rank_ = 0;
@@ -104,6 +112,7 @@ class Output::Impl {
   bool means_shown_ = false;  // their XDMF file is there
 
   FrameWriter frame_writer_;
+  WallWriter walls_;
   std::unique_ptr<Averages> averages_;  // only if wanted
   std::unique_ptr<XdmfSeries> series_;  // rank 0 only
 };
@@ -118,7 +127,8 @@ Output::Impl::Impl(MPI_Comm comm, const Settings& settings, const Fluid& fluid, 
       coarse_(fluid.grid(), settings.ratio),
       n_(fluid.grid().n()),
       file_(settings_.file),
-      frame_writer_(comm, fluid, settings_) {
+      frame_writer_(comm, fluid, settings_),
+      walls_(comm, fluid, settings) {
   coarse_.take_open_part(comm, fluid, {1, 1, 1});
   if (settings_.average_from >= 0) averages_ = std::make_unique<Averages>(comm, fluid.grid(), fluid.layout(), coarse_);
 }
@@ -185,14 +195,14 @@ void Output::Impl::create(const WhereToWrite& where, long step) {
     if (rank_ == 0) std::remove(part.c_str());
   };
   try {
-    GrowingFile file(comm_, part, true, bytes_of_record(record_, fluid_) + frame_writer_.bytes_of_open_shares(coarse_));
+    GrowingFile file(
+        comm_, part, true,
+        bytes_of_record(record_, fluid_) + frame_writer_.bytes_of_open_shares(coarse_) + walls_.bytes_of_bodies());
     write_record(file, comm_, all_settings_, fluid_, coarse_, record_, id());
     frame_writer_.write_open_shares(file, coarse_);
+    walls_.write_bodies(file);
     if (where.leg > 0) write_leg(file, comm_, record_, where.leg, step);
-    if (settings_.every > 0) {
-      file.group("/fluid", kNames);
-      if (settings_.particles) file.group("/particles", kNames);
-    }
+    make_groups(file);
     file.close();
     on_rank_0(comm_, [&] {
       if (std::rename(part.c_str(), real.c_str()) != 0)
@@ -205,22 +215,28 @@ void Output::Impl::create(const WhereToWrite& where, long step) {
   }
 }
 
+void Output::Impl::make_groups(GrowingFile& file) const {
+  if (settings_.every <= 0) return;
+  file.group("/fluid", kNames);
+  if (settings_.particles) file.group("/particles", kNames);
+  if (walls_.has_surfaces()) file.group("/walls", kNames);
+}
+
 void Output::Impl::go_on(const WhereToWrite& where, long step) {
   frames_ = where.frames;
   {
     // By itself, so that what follows does not lie where a frame was that the file still names.
     GrowingFile file(comm_, file_, false, 65536);
-    for (const std::string& name : where.drop) file.remove("/fluid/" + name), file.remove("/particles/" + name);
+    for (const std::string& name : where.drop)
+      file.remove("/fluid/" + name), file.remove("/particles/" + name), file.remove("/walls/" + name);
     file.close();
   }
   const bool has_means = averages_ && averages_->weight() > 0;
   if (where.means && has_means) means_written_ = averages_->weight();  // there is room
-  GrowingFile file(comm_, file_, false, 262144 + (has_means ? room_for_means() : 0));
+  GrowingFile file(comm_, file_, false, 262144 + walls_.bytes_of_bodies() + (has_means ? room_for_means() : 0));
   write_leg(file, comm_, record_, where.leg, step);
-  if (settings_.every > 0) {
-    file.group("/fluid", kNames);
-    if (settings_.particles) file.group("/particles", kNames);
-  }
+  make_groups(file);
+  walls_.write_bodies(file);
   // Those of the checkpoint, not later ones.
   if (where.means && !has_means) file.remove("/average");
   if (has_means) write_means(file);
@@ -231,10 +247,11 @@ void Output::Impl::go_on(const WhereToWrite& where, long step) {
 void Output::Impl::frame(double t, long step, const Particles& particles) {
   char name[16];
   std::snprintf(name, sizeof name, "%06d", frames_);
-  const double bytes = frame_writer_.count(particles);
+  const double bytes = frame_writer_.count(particles) + walls_.bytes_of_frame();
   const bool has_means = averages_ && averages_->weight() > means_written_;
   GrowingFile file(comm_, file_, false, bytes + (has_means ? room_for_means() : 0));
   XdmfFrame shown = frame_writer_.write(file, name, t, step, particles);
+  shown.walls = walls_.write_frame(file, name, t, step);
   if (has_means) write_means(file);
   file.close();
   ++frames_;
@@ -245,11 +262,14 @@ void Output::Impl::frame(double t, long step, const Particles& particles) {
 
 void Output::Impl::average(double weight, const Particles& particles) {
   // Times are sums of steps: a time that differs by round-off from the wanted one counts as that.
-  if (averages_ && fluid_.time() >= settings_.average_from * (1 - 1e-12)) averages_->add(weight, fluid_, particles);
+  if (!averages_ || !(fluid_.time() >= settings_.average_from * (1 - 1e-12))) return;
+  averages_->add(weight, fluid_, particles);
+  walls_.add(weight);
 }
 
 void Output::Impl::write_means(GrowingFile& file) {
   averages_->write(file);
+  walls_.write_means(file);
   file.attribute("/average", "from", settings_.average_from);
   file.attribute("/average", "to", fluid_.time());
   means_written_ = averages_->weight();
@@ -304,7 +324,8 @@ void Output::Impl::show_means() {
                                                                 {"eps_variance", "", 1},
                                                                 {"p_variance", "", 1},
                                                                 {"gas_velocity_variance", "", 3},
-                                                                {"solids_velocity_variance", "", 3}})));
+                                                                {"solids_velocity_variance", "", 3}})) +
+                   (walls_.has_means() ? xdmf_surface(h5, walls_.shown(), "/average/walls/") : ""));
   });
 }
 
@@ -328,6 +349,9 @@ std::string Output::sync() {
 }
 OutputState& Output::state() {
   return impl_->state();
+}
+WallMeansState* Output::wall_means() {
+  return impl_->wall_means();
 }
 Averages* Output::averages() {
   return impl_->averages();

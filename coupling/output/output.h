@@ -11,6 +11,9 @@
 //   /particle_grid/x,y,z    nodes of the particle grid (m); attribute ratio
 //     theta, blank          in both where bodies cut the grids: open share of a cell's volume; 32 where it is 0 (ParaView
 //                           leaves such cells out). Values of cells, and means over blocks, are of the open part.
+//   /grid/bodies            with bodies: attribute names; centre [bodies][3], about which torques are
+//   /grid/walls             with the field name `walls`: the bodies' surfaces, a facet a cut cell: body (from 0), area (m2),
+//                           normal (into the fluid), centre (m); points and polygons (3, number of corners, corners)
 //   /fluid/NNNNNN/          frame NNNNNN (000000, 000001, ...):
 //     time, step            s; DEM step
 //     u    [nz][ny][nx][3]  interstitial velocity at cell centres (m/s), mean of the cell's two faces
@@ -20,11 +23,15 @@
 //                           high side. Where the solver keeps them, also flux_x, flux_y, flux_z (eps u of the last
 //                           step, m/s) and deps_dt (d(eps)/dt less the volume source, 1/s): deps_dt + div(flux) = 0 in
 //                           every cell.
+//     bodies/               force, of it friction (N), and torque (N m) [bodies][3] of the fluid on them, means over the
+//                           last coupling interval; 0 before the first
+//   /walls/NNNNNN/          time, step, friction [facets][3] (Pa, on the body), pressure [facets] (dynamic, at the wall, Pa),
+//                           both as measured at that time (cfd/bodies/wall_stress.h); force [bodies][3]: their sums (N)
 //   /particles/NNNNNN/      time, step and, one row a particle, position, velocity, force (of all forces), drag,
 //                           pressure_force, radius, eps, id. Rows are in no order: sort by id to follow a particle.
 //                           Names and shapes are those of H5MD (de Buyl, Colberg & Hoefling 2014); other than there
 //                           every frame is a group of its own, as the number of particles may change.
-//   /average/               see averages.h; fine/... and particle_grid/... with batch/...
+//   /average/               see averages.h; fine/... and particle_grid/... with batch/...; walls/friction, pressure
 #pragma once
 
 #include <mpi.h>
@@ -66,6 +73,7 @@ struct OutputState {
 };
 
 class Averages;
+struct WallMeansState;
 
 class Output {
  public:
@@ -81,7 +89,8 @@ class Output {
   /// overwritten, is another run's, is being written by another process, or can't be made.
   std::vector<std::string> begin(long step, long last);
   OutputState& state();
-  Averages* averages();  ///< Null: none wanted.
+  Averages* averages();          ///< Null: none wanted.
+  WallMeansState* wall_means();  ///< The same.
 
   /// Adds a frame of the fields at time t (s), DEM step `step`, and the means so far. Collective. Throws
   /// std::runtime_error with a sentence on all ranks when it can't be written.

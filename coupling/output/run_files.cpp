@@ -66,7 +66,7 @@ XdmfFrame read_frame(hid_t file, const std::string& h5, const std::string& name,
   f.time = number(file, fluid + "/time"), f.step = number(file, fluid + "/step");
   std::vector<std::string> there = members(file, fluid.c_str());
   for (const std::string& field : there) {
-    if (field == "time" || field == "step" || field == "faces") continue;
+    if (field == "time" || field == "step" || field == "faces" || field == "bodies") continue;
     const auto extent = extent_of(file, fluid + "/" + field);
     if (extent.size() < 3) throw std::runtime_error(fluid + "/" + field);
     f.cells.push_back({field, "", extent.size() == 4 ? 3 : 1, false});
@@ -78,6 +78,14 @@ XdmfFrame read_frame(hid_t file, const std::string& h5, const std::string& name,
     const auto turn = [](const std::string& s) { return s == "u" ? 0 : s == "p" ? 1 : s == "eps" ? 2 : 3; };
     return turn(a.name) < turn(b.name);
   });
+  if (H5Lexists(file, "/walls", H5P_DEFAULT) > 0 && H5Lexists(file, ("/walls/" + name).c_str(), H5P_DEFAULT) > 0) {
+    const auto rows = [&](const char* set) {
+      const auto extent = extent_of(file, std::string("/grid/walls/") + set);
+      if (extent.empty()) throw std::runtime_error(std::string("/grid/walls/") + set);
+      return (long long)extent[0];
+    };
+    f.walls = {rows("body"), rows("points"), rows("polygons")};
+  }
   there = members(file, particles.c_str());
   if (there.empty()) return f;
   const auto rows = extent_of(file, particles + "/position");

@@ -79,6 +79,7 @@ std::string text_of(const XdmfFrame& f) {
   std::string grids = xdmf_grid("fluid", f.h5, "/grid", f.n, at(fluid, f.cells));
   if (f.particles > 0)
     grids += xdmf_points("particles", f.h5, particles + "position", f.particles, at(particles, f.points));
+  if (f.walls.facets > 0) grids += xdmf_surface(f.h5, f.walls, "/walls/" + f.name + "/");
   return "<Grid Name=\"frame\" GridType=\"Collection\" CollectionType=\"Spatial\">\n<Time Value=\"" + std::string(t) +
          "\"/>\n" + grids + "</Grid>\n";
 }
@@ -108,6 +109,24 @@ std::string xdmf_points(const std::string& name, const std::string& h5, const st
          "\" GridType=\"Uniform\">\n<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + n +
          "\" NodesPerElement=\"1\"/>\n<Geometry GeometryType=\"XYZ\">\n" + item(h5, position, n + " 3") +
          "</Geometry>\n" + attributes(h5, fields, "Node", n) + "</Grid>\n";
+}
+
+std::string xdmf_surface(const std::string& h5, const XdmfSurface& surface, const std::string& group) {
+  const std::string n = std::to_string(surface.facets), at = "/grid/walls/";
+  XdmfField body{"body", at + "body"};
+  body.integer = true;
+  return "<Grid Name=\"walls\" GridType=\"Uniform\">\n<Topology TopologyType=\"Mixed\" NumberOfElements=\"" + n +
+         "\">\n" + item(h5, at + "polygons", std::to_string(surface.topology), "NumberType=\"Int\" Precision=\"4\"") +
+         "</Topology>\n<Geometry GeometryType=\"XYZ\">\n" +
+         item(h5, at + "points", std::to_string(surface.points) + " 3") + "</Geometry>\n" +
+         attributes(h5,
+                    {{"friction", group + "friction", 3},
+                     {"pressure", group + "pressure"},
+                     body,
+                     {"normal", at + "normal", 3},
+                     {"area", at + "area"}},
+                    "Cell", n) +
+         "</Grid>\n";
 }
 
 void write_xdmf(const std::string& path, const std::string& grids) {

@@ -28,6 +28,15 @@ std::string xdmf_grid(const std::string& name, const std::string& h5, const std:
 std::string xdmf_points(const std::string& name, const std::string& h5, const std::string& position, long long count,
                         const std::vector<XdmfField>& fields);
 
+/// Surfaces of bodies, whose geometry is in the group /grid/walls: numbers of facets, of points, and of entries of the
+/// list of polygons.
+struct XdmfSurface {
+  long long facets = 0, points = 0, topology = 0;
+};
+
+/// With friction and pressure of a group, such as /walls/000012/.
+std::string xdmf_surface(const std::string& h5, const XdmfSurface& surface, const std::string& group);
+
 /// A frame: what of it is shown. The paths of its fields follow from their names (output.h has the layout), but where one
 /// is given.
 struct XdmfFrame {
@@ -37,6 +46,7 @@ struct XdmfFrame {
   Int3 n{0, 0, 0};  ///< cells
   std::vector<XdmfField> cells, points;
   long long particles = 0;  ///< shown, if any
+  XdmfSurface walls;        ///< the same
 };
 
 /// Writes a file that shows these grids, without time, in place of an older one. Throws std::runtime_error with a

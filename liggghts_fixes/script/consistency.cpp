@@ -76,6 +76,9 @@ void check_box_boundary(const int boundary[3][2]) {
 
 void complete(Script& script, const BoxFacts& box) {
   Settings& s = script.settings;
+  const OutputSettings& out = s.output;
+  const bool writes = !out.file.empty() && (out.every > 0 || out.average_from >= 0);
+  s.fluid.wall_stress = writes && std::find(out.fields.begin(), out.fields.end(), "walls") != out.fields.end();
   if (!script.domain_given) s.domain = box.bounds;
   for (int d = 0; d < 3; ++d) {
     const double lo = s.domain[2 * d], hi = s.domain[2 * d + 1];

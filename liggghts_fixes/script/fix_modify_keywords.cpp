@@ -407,7 +407,8 @@ std::vector<Keyword> make_rows() {
       choice("implicit", kChoices, "viscosity treated implicitly", "numerics",
              [](Settings& s) -> Choice& { return s.fluid.implicit_viscosity; }),
       {"output",
-       "`every` N DEM steps, `file` NAME.h5, `fields` some of `u p eps faces`, `particles yes` or `no`, `average from` "
+       "`every` N DEM steps, `file` NAME.h5, `fields` some of `u p eps faces walls`, `particles yes` or `no`, `average "
+       "from` "
        "T (s of fluid time), `overwrite no` or `yes`: replace a file that is there, `legs one` or `many`: a file for "
        "each "
        "restart; or `off`",

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "cfd/bodies/triangle_set.h"
+#include "cfd/bodies/wall_stress.h"
 #include "cfd/grid/pi.h"
 #include "tests/verification/bodies.h"
 
@@ -97,6 +98,7 @@ TEST(Sheets, InAChannel) {
         corner[q][f] = q < 2 ? -1 : 2;
       }
       s.bodies = {sheet(quadrangle(corner[0], corner[1], corner[2], corner[3]))};
+      s.wall_stress = true;
       std::array<std::vector<double>, 3> nodes;
       nodes[e] = uniform(0, 1, N), nodes[f] = uniform(0, 4.0 / N, 4), nodes[along] = uniform(0, 4.0 / N, 4);
       CfdBox box(nodes, {false, false, false}, s);
@@ -105,6 +107,18 @@ TEST(Sheets, InAChannel) {
                    error = superficial(box, along) / exact - 1;
       report("sheet at %.5f of a channel along %d: flow %+.2f %%\n", place, along, 100 * error);
       EXPECT_LT(std::abs(error), 0.02);  // at 8 cells a channel
+      // Friction of each side, over half its channel's width times the gradient.
+      const WallStress& w = *box.fluid->wall_stress();
+      double apart = 0, above = 0, below = 0;
+      for (std::size_t q = 0; q < w.facets().size(); ++q) {
+        const bool high = w.facets()[q].normal[e] > 0;
+        apart = std::max(apart, std::abs(w.friction(q)[along] / (0.5 * (high ? 1 - place : place)) - 1));
+        (high ? above : below) += w.facets()[q].area;
+      }
+      report("  friction on its two sides, at most %.2f %% off; areas %.4f, %.4f\n", 100 * apart, above, below);
+      EXPECT_LT(apart, 0.09);  // a sheet is right to half a cell
+      EXPECT_NEAR(above, 1.0 / 16, 1e-12);
+      EXPECT_NEAR(below, 1.0 / 16, 1e-12);
     }
 }
 
