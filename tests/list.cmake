@@ -70,6 +70,7 @@ endfunction()
 system_test(bad_input RANKS 1 TIMEOUT 400)
 set_tests_properties(bad_input PROPERTIES RUN_SERIAL ON)  # it has a limit of 5 s a script
 system_test(bodies RANKS 1 2 4)
+system_test(moving_walls RANKS 2)
 system_test(other_vessels RANKS 2)
 system_test(turned_bed RANKS 1)
 system_test(bad_bodies RANKS 1)

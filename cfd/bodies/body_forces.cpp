@@ -37,6 +37,7 @@ BodyForces::BodyForces(const FluidDomain& domain, const CutLinks* cut) : domain_
       pieces_[p.component].push_back({m,
                                       p.body,
                                       p.conductance / open->theta_f()[p.component].data()[m],
+                                      p.velocity,
                                       domain.measures.open_share_above(p.component, p.face[0], p.face[1], p.face[2]),
                                       {p.point[0] - centre[0], p.point[1] - centre[1], p.point[2] - centre[2]}});
   }
@@ -163,7 +164,7 @@ void BodyForces::add(double share, const FluidState& state, const Property& mu, 
         const double below = cell_mu[p.face - state.p.stride(c)];
         viscosity = below + p.above * (cell_mu[p.face] - below);
       }
-      const double F = share * viscosity * p.conductance * i_f[p.face] * u[p.face];
+      const double F = share * viscosity * p.conductance * i_f[p.face] * (u[p.face] - p.velocity);
       BodyForce& f = force_[p.body];
       f.friction[c] += F;
       f.torque[e] += p.arm[g] * F, f.torque[g] -= p.arm[e] * F;
@@ -179,7 +180,8 @@ void BodyForces::add(double share, const FluidState& state, const Property& mu, 
     for (std::size_t q = 0; q < convection[c].size(); ++q) {
       double F = convection[c][q];
       if (friction && drag[c][q] != 0)
-        F += drag[c][q] * state.i_f[c].data()[faces[q]] * volume_[c][q] * state.u[c].data()[faces[q]];
+        F += drag[c][q] * state.i_f[c].data()[faces[q]] * volume_[c][q] *
+             (state.u[c].data()[faces[q]] - domain_.measures.open()->wall_velocity(c, faces[q]));
       if (F != 0) force_[convection_to_[c][q].body].convection[c] += share * F;
       if (pulled && pull[c][q] != 0) add_friction(convection_to_[c][q], c, -share * pull[c][q]);
     }

@@ -50,6 +50,7 @@ class BodyForces {
     std::ptrdiff_t face;
     int body;
     double conductance;  // over theta_f (m)
+    double velocity;     // of the wall (m/s)
     double above;        // share of the upper cell in its viscosity
     Vec3 arm;            // from the body's centre (m)
   };

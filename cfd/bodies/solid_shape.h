@@ -27,12 +27,26 @@ class SolidShape {
   virtual void bounds(Vec3& lo, Vec3& hi) const { lo = {1, 1, 1}, hi = {0, 0, 0}; }
 };
 
+/// How a surface moves along itself while the body stays where it is, as a rigid body would: a drum about its axis, a belt.
+struct SurfaceMotion {
+  Vec3 velocity{0, 0, 0};  ///< m/s
+  Vec3 turning{0, 0, 0};   ///< rad/s, about an axis through origin
+  Vec3 origin{0, 0, 0};    ///< m
+  bool any() const { return turning != Vec3{0, 0, 0} || velocity != Vec3{0, 0, 0}; }
+  Vec3 at(const Vec3& x) const {
+    const Vec3 r{x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]};
+    return {velocity[0] + turning[1] * r[2] - turning[2] * r[1], velocity[1] + turning[2] * r[0] - turning[0] * r[2],
+            velocity[2] + turning[0] * r[1] - turning[1] * r[0]};
+  }
+};
+
 /// One body as the user names it.
 struct Body {
   std::string name;
   std::shared_ptr<const SolidShape> shape;
   bool slip = false;
   bool sheet = false;  ///< fluid on both sides (sheets.h)
+  SurfaceMotion motion = {};
 };
 
 }  // namespace twogrid

@@ -55,13 +55,13 @@ Surfaces::Hit Surfaces::first_crossing(const Vec3& x, int d, double length) cons
         continue;
     }
     const double s = m.shape->first_crossing({x[0] - m.shift[0], x[1] - m.shift[1], x[2] - m.shift[2]}, d, length);
-    if (s <= 1 && s < first.share) first = {s, m.body};
+    if (s <= 1 && s < first.share) first = {s, m.body, m.shift};
   }
   return first;
 }
 
 Surfaces::Foot Surfaces::nearest(const Vec3& x, double reach) const {
-  Foot best{reach, x, -1};
+  Foot best{reach, x, -1, {0, 0, 0}};
   for (const Image& m : images_) {
     if (m.bounded) {
       double square = 0;
@@ -75,7 +75,7 @@ Surfaces::Foot Surfaces::nearest(const Vec3& x, double reach) const {
     const double far =
         m.shape->distance({x[0] - m.shift[0], x[1] - m.shift[1], x[2] - m.shift[2]}, best.distance, point);
     if (far < best.distance)
-      best = {far, {point[0] + m.shift[0], point[1] + m.shift[1], point[2] + m.shift[2]}, m.body};
+      best = {far, {point[0] + m.shift[0], point[1] + m.shift[1], point[2] + m.shift[2]}, m.body, m.shift};
   }
   return best;
 }

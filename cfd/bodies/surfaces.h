@@ -18,6 +18,7 @@ class Surfaces {
   struct Hit {
     double share = SolidShape::kNone;
     int body = -1;
+    Vec3 shift{0, 0, 0};  ///< of the image
   };
   Hit first_crossing(const Vec3& x, int d, double length) const;
   /// As SolidShape's, of the nearest body; body -1: none within reach.
@@ -25,6 +26,7 @@ class Surfaces {
     double distance;
     Vec3 point{0, 0, 0};
     int body = -1;
+    Vec3 shift{0, 0, 0};
   };
   Foot nearest(const Vec3& x, double reach) const;
   /// Solid where any body says so; fluid where all know that it isn't theirs.

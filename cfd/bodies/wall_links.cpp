@@ -9,6 +9,7 @@ WallLinks::WallLinks(const LocalGrid& grid, const Surfaces& surfaces, const CutE
                      const FaceField<FineGrid>& alpha, const CellField<FineGrid>& theta,
                      const Array3<char>& beside_sheets)
     : grid_(grid), surfaces_(surfaces), faces_(faces), alpha_(alpha), theta_(theta), beside_sheets_(beside_sheets) {
+  for (const Body& body : surfaces.bodies()) moving_ = moving_ || (body.motion.any() && !body.slip);
   cut_.reset(grid.cells, 0);
   for_each(grid.cells, [&](int i, int j, int k) {
     cut_(i, j, k) = edges.touches({i, j, k}) || beside_sheets(i, j, k);
@@ -80,9 +81,13 @@ double WallLinks::way(int c, const Int3& face, int d, bool up) const {
 }
 
 void WallLinks::add(std::vector<WallPiece>& pieces, int body, int c, const Int3& face, double conductance,
-                    const Vec3& point) const {
+                    const Vec3& point, const Vec3& shift) const {
   if (body < 0 || surfaces_.bodies()[body].slip || !(conductance > 0)) return;
   pieces.push_back({body, c, face, conductance, point});
+  if (!moving_) return;
+  const Rigid own = rigid(c, face), its{body, shift};
+  double& u = pieces.back().velocity = velocity(own, place(c, face))[c];
+  if (own.body != its.body || own.shift != its.shift) u += velocity(its, point)[c] - velocity(own, point)[c];
 }
 
 /// One link of a fluid face: the same way is looked along from the low end to the high one, whichever face asks.
@@ -122,9 +127,54 @@ void WallLinks::link(int c, const Int3& face, int d, bool up, double centre, uns
   const double reach = std::max(share * length, kLeast * centre * whole);
   Vec3 point = here;
   point[d] += up ? share * length : -share * length;
-  int body = from_here.body >= 0 ? from_here.body : from_there.body;
-  if (body < 0) body = surfaces_.nearest(point, 2 * whole).body;
-  if (reach > 0) add(pieces, body, c, face, centre * aperture(c, face, d, up) / reach, point);
+  const Surfaces::Hit& hit = from_here.body >= 0 ? from_here : from_there;
+  Rigid wall{hit.body, hit.shift};
+  if (wall.body < 0) {
+    const Surfaces::Foot foot = surfaces_.nearest(point, 2 * whole);
+    wall = {foot.body, foot.shift};
+  }
+  if (reach > 0) add(pieces, wall.body, c, face, centre * aperture(c, face, d, up) / reach, point, wall.shift);
+}
+
+Vec3 WallLinks::place(int c, const Int3& face) const {
+  Vec3 x = grid_.face_centre(c, face);
+  const auto open = faces_.open(c, face);
+  for (int m = 0; m < 2 && open.share < 1; ++m) {
+    const int e = (c + 1 + m) % 3;
+    x[e] = grid_.node(e, face[e]) + open.centroid[m] * grid_.width(e, face[e]);
+  }
+  return x;
+}
+
+WallLinks::Rigid WallLinks::rigid(int c, const Int3& face) const {
+  const Surfaces::Foot wall = wall_near(c, face);
+  return {wall.body, wall.shift};
+}
+
+Vec3 WallLinks::velocity(const Rigid& of, const Vec3& x) const {
+  if (of.body < 0 || surfaces_.bodies()[of.body].slip) return {0, 0, 0};
+  return surfaces_.bodies()[of.body].motion.at({x[0] - of.shift[0], x[1] - of.shift[1], x[2] - of.shift[2]});
+}
+
+/// Of a face with a cut cell beside it or beside that: what it sees of the nearest wall's motion.
+void WallLinks::beside_moving(int c, const Int3& face, OpenSpace& space) const {
+  Box around;
+  for (int d = 0; d < 3; ++d) around.lo[d] = face[d] - (d == c ? 2 : 1), around.hi[d] = face[d] + 2;
+  bool near = false;
+  for_each(intersect(around, cut_.box()), [&](int i, int j, int k) { near = near || cut_(i, j, k); });
+  if (!near) return;
+  const Rigid wall = rigid(c, face);
+  if (wall.body < 0 || surfaces_.bodies()[wall.body].slip) return;
+  const SurfaceMotion& motion = surfaces_.bodies()[wall.body].motion;
+  const double u = velocity(wall, place(c, face))[c];
+  space.wall_velocity[c](face[0], face[1], face[2]) = u;
+  space.drift[c](face[0], face[1], face[2]) =
+      velocity(wall, grid_.face_centre(c, face))[c] - space.centre[c](face[0], face[1], face[2]) * u;
+  if (motion.turning == Vec3{0, 0, 0}) return;
+  const int e = (c + 1) % 3, f = (c + 2) % 3;
+  OpenSpace::Beside beside{c, face, {0, 0, 0}};
+  beside.slope[f] = motion.turning[e], beside.slope[e] = -motion.turning[f];
+  space.beside.push_back(beside);
 }
 
 Surfaces::Foot WallLinks::wall_near(int c, const Int3& face) const {
@@ -136,13 +186,7 @@ Surfaces::Foot WallLinks::wall_near(int c, const Int3& face) const {
     if (!g.inside(c, cell[c])) continue;
     for (int d = 0; d < 3; ++d) reach += g.width(d, cell[d]), least = std::min(least, g.width(d, cell[d]));
   }
-  Vec3 x = g.face_centre(c, face);
-  const auto open = faces_.open(c, face);
-  for (int m = 0; m < 2 && open.share < 1; ++m) {
-    const int e = (c + 1 + m) % 3;
-    x[e] = g.node(e, face[e]) + open.centroid[m] * g.width(e, face[e]);
-  }
-  Surfaces::Foot foot = surfaces_.nearest(x, reach);
+  Surfaces::Foot foot = surfaces_.nearest(place(c, face), reach);
   foot.distance = std::max(foot.distance, kLeast * least);
   return foot;
 }
@@ -213,6 +257,20 @@ Sliver WallLinks::sliver(int c, const Int3& face) const {
       s.share[2 * d + int(up)] = weight * (slip ? 1.0 : std::min(wall.distance / far.distance, 1.0));
     }
   for (double& w : s.share) w = sum > 0 ? w / sum : 0;
+  if (!moving_) return s;
+  const Rigid own{wall.body, wall.shift};
+  const Vec3 here = place(c, face);
+  s.drift = s.velocity = velocity(own, here)[c];
+  for (int q = 0; q < 6; ++q) {
+    if (!(s.share[q] > 0)) continue;
+    Int3 next = face;
+    next[q / 2] += q % 2 ? 1 : -1;
+    Vec3 there = place(c, next);
+    for (int d = 0; d < 3; ++d)
+      if (const Axis& axis = grid_.grid.axis[d]; axis.periodic())
+        there[d] -= axis.length() * std::round((there[d] - here[d]) / axis.length());
+    s.drift -= s.share[q] * velocity(own, there)[c];
+  }
   return s;
 }
 
@@ -226,7 +284,7 @@ void WallLinks::own_wall(int c, const Int3& face, std::vector<WallPiece>& pieces
   }
   if (!(area > 0)) return;
   const Surfaces::Foot wall = wall_near(c, face);
-  add(pieces, wall.body, c, face, area / wall.distance, wall.point);
+  add(pieces, wall.body, c, face, area / wall.distance, wall.point, wall.shift);
 }
 
 void WallLinks::fill(OpenSpace& space) const {
@@ -234,6 +292,7 @@ void WallLinks::fill(OpenSpace& space) const {
   for (int c = 0; c < 3; ++c) {
     space.links[c].reset(g.own_faces[c], OpenSpace::kAllLinks);
     space.centre[c].reset(g.own_faces[c], 1.0), space.viscous[c].reset(g.own_faces[c], 1.0);
+    if (moving_) space.wall_velocity[c].reset(g.own_faces[c]), space.drift[c].reset(g.own_faces[c]);
     for_each(g.own_faces[c], [&](int i, int j, int k) {
       const Int3 face{i, j, k};
       unsigned char& bits = space.links[c](i, j, k);
@@ -256,6 +315,7 @@ void WallLinks::fill(OpenSpace& space) const {
         for (std::size_t q = first; q < space.pieces.size(); ++q) space.pieces[q].conductance *= factor;
       }
     });
+    if (moving_) for_each(g.own_faces[c], [&](int i, int j, int k) { beside_moving(c, {i, j, k}, space); });
   }
   for_each(g.own, [&](int i, int j, int k) {
     const Int3 cell{i, j, k};

@@ -15,7 +15,7 @@ class WallLinks {
   WallLinks(const LocalGrid& grid, const Surfaces& surfaces, const CutEdges& edges, const CutFaces& faces,
             const FaceField<FineGrid>& alpha, const CellField<FineGrid>& theta, const Array3<char>& beside_sheets);
 
-  /// Fills links, centre, viscous, slivers, pieces and surface.
+  /// Fills links, centre, viscous, slivers, pieces and surface, and where walls move what is beside them.
   void fill(OpenSpace& space) const;
 
  private:
@@ -38,8 +38,18 @@ class WallLinks {
   double viscous(int c, const Int3& face, unsigned char bits) const;
   Sliver sliver(int c, const Int3& face) const;
   void own_wall(int c, const Int3& face, std::vector<WallPiece>& pieces) const;
-  void add(std::vector<WallPiece>& pieces, int body, int c, const Int3& face, double conductance,
-           const Vec3& point) const;
+  void add(std::vector<WallPiece>& pieces, int body, int c, const Int3& face, double conductance, const Vec3& point,
+           const Vec3& shift) const;
+  /// Of the wall nearest to a face: its motion goes on as a rigid body's.
+  struct Rigid {
+    int body;
+    Vec3 shift;  // of its image
+  };
+  Rigid rigid(int c, const Int3& face) const;
+  Vec3 velocity(const Rigid& of, const Vec3& x) const;
+  /// Where a face's velocity is: its centre, or that of its open part.
+  Vec3 place(int c, const Int3& face) const;
+  void beside_moving(int c, const Int3& face, OpenSpace& space) const;
 
   const LocalGrid& grid_;
   const Surfaces& surfaces_;
@@ -49,6 +59,7 @@ class WallLinks {
   const Array3<char>& beside_sheets_;
   Array3<unsigned char> cut_;
   std::array<Array3<Node>, 3> node_;
+  bool moving_ = false;  // some wall
 };
 
 }  // namespace twogrid

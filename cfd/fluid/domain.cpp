@@ -43,9 +43,9 @@ void FluidDomain::make_open_shares() {
   CellField<FineGrid>& theta = held.theta;
   theta.reset(local, 1.0);
   // Alike on all ranks, also where a rank has no cells.
-  int has[4] = {!space.pieces.empty() || space.friction[0].size() > 0, space.links[0].size() > 0, !space.pieces.empty(),
-                space.centre[0].size() > 0};
-  MPI_Allreduce(MPI_IN_PLACE, has, 4, MPI_INT, MPI_MAX, comm);
+  int has[5] = {!space.pieces.empty() || space.friction[0].size() > 0, space.links[0].size() > 0, !space.pieces.empty(),
+                space.centre[0].size() > 0, space.drift[0].size() > 0};
+  MPI_Allreduce(MPI_IN_PLACE, has, 5, MPI_INT, MPI_MAX, comm);
   double bad[2] = {0, 0}, open = 0;  // shares that are none, frictions that are none
   for (int d = 0; d < 3; ++d) {
     alpha[d].reset(local, 1.0), theta_f[d].reset(local, 1.0);
@@ -73,6 +73,19 @@ void FluidDomain::make_open_shares() {
     });
   }
   if (has[3]) extend_faces(held.centre);
+  for (int d = 0; has[4] && d < 3; ++d) {
+    held.wall_velocity[d].reset(local), held.drift[d].reset(local);
+    for_each(faces[d], [&](int i, int j, int k) {
+      held.wall_velocity[d](i, j, k) = space.wall_velocity[d](i, j, k);
+      held.drift[d](i, j, k) = space.drift[d](i, j, k);
+    });
+  }
+  if (has[4]) {
+    extend_faces(held.wall_velocity);
+    // Beyond sides as velocities are: what is at a centre has what its side asks for.
+    face_halo.bring(held.drift);
+    boundaries.apply(held.drift, true);
+  }
   for (int d = 0; d < 3; ++d)
     for_each(faces[d], [&](int i, int j, int k) {
       const bool open = alpha[d](i, j, k) > 0;
@@ -112,7 +125,7 @@ void FluidDomain::make_open_shares() {
     }
   if (!(sums[4] > 0))
     throw std::invalid_argument("the bodies leave no room for the fluid; wanted: some open cells in its domain");
-  held.slivers = std::move(space.slivers);
+  held.slivers = std::move(space.slivers), held.beside = std::move(space.beside);
   held.pieces = std::move(space.pieces), held.surface = std::move(space.surface);
   held.outlines = std::move(space.outlines);
   held.volume = sums[4];

@@ -47,11 +47,24 @@ Predictor::Predictor(FluidDomain& domain, const FluidSettings& settings)
     const std::ptrdiff_t m = open->theta().index(s.face[0], s.face[1], s.face[2]);
     const auto place = std::lower_bound(faces.begin(), faces.end(), m);
     if (place == faces.end() || *place != m || domain.boundaries.state(d).data()[m] != FaceState::kSolved) continue;
-    slivers_[d].push_back(
-        {int(place - faces.begin()), s.face, domain.measures.volume(d, s.face[0], s.face[1], s.face[2]), {}});
+    slivers_[d].push_back({int(place - faces.begin()),
+                           s.face,
+                           domain.measures.volume(d, s.face[0], s.face[1], s.face[2]),
+                           s.drift,
+                           s.velocity,
+                           {}});
     for (int q = 0; q < 6; ++q)
       if (s.share[q] > 0)
         slivers_[d].back().of.push_back({m + (q % 2 ? 1 : -1) * open->theta().stride(q / 2), s.share[q]});
+  }
+  for (const WallPiece& p : open->pieces()) {
+    const std::ptrdiff_t m = open->theta().index(p.face[0], p.face[1], p.face[2]);
+    const double theta_f = open->theta_f()[p.component].data()[m];
+    if (p.velocity != 0 && theta_f > 0 && !open->sliver(p.component, m) &&
+        domain.boundaries.state(p.component).data()[m] == FaceState::kSolved)
+      moving_walls_[p.component].push_back(
+          {m, domain.measures.open_share_above(p.component, p.face[0], p.face[1], p.face[2]),
+           p.conductance * p.velocity / theta_f});
   }
 }
 
@@ -65,6 +78,20 @@ void Predictor::extrapolate(const FluidState& state, const Step& step, FaceField
     else
       extrapolate_values(state.u[d].size(), step.r, state.u[d].data(), state.u_old[d].data(), u_tilde[d].data());
   domain_.boundaries.apply(u_tilde);
+}
+
+/// Their friction mu K' i_f u_w V, and what links have of them.
+void Predictor::add_moving_walls(const Property& mu, const FluidState& state, FaceField<FineGrid>& rhs) {
+  for (int d = 0; d < 3; ++d)
+    for (const MovingWall& w : moving_walls_[d]) {
+      double viscosity = mu.number;
+      if (mu.varies()) {
+        const double *cell = mu.field().data() + w.face, below = cell[-state.p.stride(d)];
+        viscosity = below + w.above * (*cell - below);
+      }
+      rhs[d].data()[w.face] += viscosity * w.push * state.inertia_share()[d].data()[w.face];
+    }
+  if (viscous_.cut()) viscous_.cut()->add_moving(mu, state.eps[0], rhs);
 }
 
 /// An inlet's pressure is the one that, with the momentum rho F u entering, balances pressure and momentum flux at the
@@ -173,6 +200,14 @@ void Predictor::set_wall_friction(const Property& mu, const FaceField<FineGrid>&
       sliver_drag_[d][q] = 0.5 * settings_.density * std::abs(u_tilde[d].data()[m]) * sliver_inverse_width_[d][q];
       friction_[d].data()[m] += sliver_drag_[d][q];
     }
+    for (const Following& s : slivers_[d]) {
+      if (s.velocity == 0) continue;
+      const std::ptrdiff_t m = faces[s.place];
+      double& drag = sliver_drag_[d][s.place];
+      const double still = drag;
+      drag = 0.5 * settings_.density * std::abs(u_tilde[d].data()[m] - s.velocity) * sliver_inverse_width_[d][s.place];
+      friction_[d].data()[m] += drag - still;
+    }
   }
   inertia_.friction = &friction_;
 }
@@ -195,13 +230,16 @@ void Predictor::drag_slivers_along(const FluidState& state, const Interphase& ex
     sliver_pull_[d].assign(open->without_convection(d).size(), 0.0);
     for (const Following& s : slivers_[d]) {
       const std::ptrdiff_t m = open->without_convection(d)[s.place];
-      double along = 0, A, made;
+      double along = s.drift, A, made;
       for (const auto& other : s.of) along += other.second * u_next[d].data()[other.first];
       inertia_.row(d, m, state.inertia_share()[d].data() + m,
                    exchange.beta_row(d, s.face[0], s.face[1], s.face[2], 1, &made), 1, &A);
       const double force = friction_[d].data()[m] * state.inertia_share()[d].data()[m] * along;
       u_next[d].data()[m] += force / A;
-      sliver_pull_[d][s.place] = force * s.volume;
+      // Of a wall that moves its own part counts with the friction.
+      sliver_pull_[d][s.place] = s.velocity == 0 ? force * s.volume
+                                                 : friction_[d].data()[m] * state.inertia_share()[d].data()[m] *
+                                                       (along - s.velocity) * s.volume;
     }
   }
 }
@@ -222,8 +260,12 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
                    [&](const Int3&, std::ptrdiff_t m, int n) { std::fill_n(rhs[d].data() + m, n, 0.0); });
   convection_.add(rho, state.eps_f, u_tilde, settings_.convection, rhs);
   if (domain_.measures.open()) lose_convection(rhs);
+  add_moving_walls(mu, state, rhs);
   measure_inlet_head(state, u_tilde);
-  if (viscous && !step.implicit_viscosity) viscous_.add(mu, state.eps[0], u_tilde, rhs);
+  if (viscous && !step.implicit_viscosity) {
+    viscous_.add(mu, state.eps[0], u_tilde, rhs);
+    if (viscous_.cut()) viscous_.cut()->leave_moving_out(mu, state.eps[0]);
+  }
   domain_.boundaries.set_outlet_pressure(u_tilde, rho);
   domain_.boundaries.apply_pressure(state.p);
 
@@ -245,6 +287,7 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
     if (viscous_.cut()) {
       domain_.fill(u_next);
       viscous_.cut()->leave_out(mu, state.eps[0], u_next);
+      viscous_.cut()->leave_moving_out(mu, state.eps[0]);
     }
   }
   drag_slivers_along(state, exchange, u_next);

@@ -48,6 +48,7 @@ class Predictor {
 
  private:
   void list_friction(const OpenShares& open);
+  void add_moving_walls(const Property& mu, const FluidState& state, FaceField<FineGrid>& rhs);
   void set_wall_friction(const Property& mu, const FaceField<FineGrid>& u_tilde);
   void lose_convection(FaceField<FineGrid>& rhs);
   void drag_slivers_along(const FluidState& state, const Interphase& exchange, FaceField<FineGrid>& u_next);
@@ -69,7 +70,7 @@ class Predictor {
   struct Following {
     int place;  // in the list of faces that take no part in convection
     Int3 face;
-    double volume;
+    double volume, drift, velocity;                     // of the wall (Sliver)
     std::vector<std::pair<std::ptrdiff_t, double>> of;  // shares of other faces' velocities
   };
   std::array<std::vector<Following>, 3> slivers_;
@@ -78,6 +79,13 @@ class Predictor {
     double per_viscosity, share_above;  // K'; share of the upper cell in the face's viscosity
   };
   std::array<std::vector<OfWalls>, 3> of_walls_;  // own faces with friction
+  /// Walls that move along themselves: their pieces' friction.
+  struct MovingWall {
+    std::ptrdiff_t face;
+    double above;  // share of the upper cell in its viscosity
+    double push;   // conductance u_w over theta_f (m2/s)
+  };
+  std::array<std::vector<MovingWall>, 3> moving_walls_;
   FaceField<FineGrid> friction_;                  // mu K' and slivers' drag, only where bodies are
   std::vector<double> row_inertia_, row_made_;
   // Implicit viscosity; made when first needed.

@@ -26,6 +26,7 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const Box
       friction_(std::move(held.friction)),
       links_(std::move(held.links)),
       without_convection_(std::move(held.own)),
+      beside_(std::move(held.beside)),
       slivers_(std::move(held.slivers)),
       pieces_(std::move(held.pieces)),
       surface_(std::move(held.surface)),
@@ -33,6 +34,7 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const Box
       volume_(held.volume) {
   for (int d = 0; d < 3; ++d) {
     centre_[d] = exceptions(held.centre[d]), viscous_[d] = exceptions(held.viscous[d]);
+    wall_velocity_[d] = exceptions(held.wall_velocity[d], 0), drift_[d] = exceptions(held.drift[d], 0);
     ratio_[d].reset(local, 1.0);
     for (std::size_t m = 0; m < theta_f_[d].size(); ++m) {
       double& open = theta_f_[d].data()[m];
@@ -73,16 +75,17 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const Box
     set_edges(measures, local, held.alpha);
 }
 
-OpenShares::Exceptions OpenShares::exceptions(const Array3<double>& field) {
+OpenShares::Exceptions OpenShares::exceptions(const Array3<double>& field, double usual) {
   Exceptions list;
   for (std::size_t m = 0; m < field.size(); ++m)
-    if (field.data()[m] != 1) list.push_back({std::ptrdiff_t(m), field.data()[m]});
+    if (field.data()[m] != usual) list.push_back({std::ptrdiff_t(m), field.data()[m]});
   return list;
 }
 
-double OpenShares::looked_up(const Exceptions& list, std::ptrdiff_t m) {
-  const auto found = std::lower_bound(list.begin(), list.end(), std::make_pair(m, 0.0));
-  return found != list.end() && found->first == m ? found->second : 1.0;
+double OpenShares::looked_up(const Exceptions& list, std::ptrdiff_t m, double usual) {
+  const auto found = std::lower_bound(list.begin(), list.end(), m,
+                                      [](const auto& entry, std::ptrdiff_t at) { return entry.first < at; });
+  return found != list.end() && found->first == m ? found->second : usual;
 }
 
 /// Mean of theta over the four cells around the edge along t at the low corner of cell x.

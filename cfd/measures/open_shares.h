@@ -31,6 +31,7 @@ struct WallPiece {
   Int3 face{0, 0, 0};      ///< own
   double conductance = 0;  ///< wetted area over its distance (m)
   Vec3 point{0, 0, 0};     ///< on the surface (m)
+  double velocity = 0;     ///< u_w (m/s), as the face's own velocity feels it: see OpenSpace::Beside
 };
 /// The surface inside one cell.
 struct WallCell {
@@ -47,6 +48,8 @@ struct Sliver {
   /// Shares of the velocities of the next faces of its component, low and high in x, y, z: together what it would have
   /// in shear along the wall.
   std::array<double, 6> share{0, 0, 0, 0, 0, 0};
+  double drift = 0;     ///< and what the wall's own motion adds to that (m/s)
+  double velocity = 0;  ///< the wall's (m/s)
 };
 
 /// The shares as they are given.
@@ -71,6 +74,16 @@ struct OpenSpace {
   std::vector<WallPiece> pieces;  ///< friction from which K' is made: K' theta_f V_f = sum of conductances
   std::vector<WallCell> surface;
   std::vector<std::vector<Vec3>> outlines;  ///< of the surface in these cells (m), where they are asked for
+  /// Near walls that move along themselves (solid_shape.h). Each face takes the nearest wall's motion as that of a rigid
+  /// body, u_r, which has no strain: friction, links and what slivers follow act on u - u_r, for which the wall is at rest.
+  struct Beside {
+    int component = 0;
+    Int3 face{0, 0, 0};   ///< own
+    Vec3 slope{0, 0, 0};  ///< of its component of u_r along x, y, z (1/s)
+  };
+  std::vector<Beside> beside;
+  /// u_r of own faces where their velocities are, and u_r at their centres less `centre` times that. Of size 0: 0.
+  FaceField<FineGrid> wall_velocity, drift;
 };
 
 /// Fills the shares of the rank's own faces and cells, in which on entry all is open and there is no friction. Called
@@ -91,6 +104,8 @@ class OpenShares {
     std::vector<WallPiece> pieces;
     std::vector<WallCell> surface;
     std::vector<std::vector<Vec3>> outlines;
+    std::vector<OpenSpace::Beside> beside;
+    FaceField<FineGrid> wall_velocity, drift;  // of size 0: 0
     double volume = 0;  // of the whole domain's open part (m3)
   };
   /// own, faces: the rank's own cells and faces.
@@ -121,6 +136,9 @@ class OpenShares {
   /// OpenSpace's, by memory index. Looked up in a list.
   double centre(int c, std::ptrdiff_t m) const { return looked_up(centre_[c], m); }
   double viscous(int c, std::ptrdiff_t m) const { return looked_up(viscous_[c], m); }
+  double wall_velocity(int c, std::ptrdiff_t m) const { return looked_up(wall_velocity_[c], m, 0); }
+  double drift(int c, std::ptrdiff_t m) const { return looked_up(drift_[c], m, 0); }
+  const std::vector<OpenSpace::Beside>& beside() const { return beside_; }
   const std::vector<Sliver>& slivers() const { return slivers_; }
   const std::vector<WallPiece>& pieces() const { return pieces_; }
   const std::vector<WallCell>& surface() const { return surface_; }
@@ -144,9 +162,10 @@ class OpenShares {
   void flux_share(FaceField<FineGrid>& i_f, FaceField<FineGrid>& phi_f) const;
 
  private:
-  using Exceptions = std::vector<std::pair<std::ptrdiff_t, double>>;  // where a number is not 1, by memory index
-  static Exceptions exceptions(const Array3<double>& field);
-  static double looked_up(const Exceptions& list, std::ptrdiff_t m);
+  using Exceptions =
+      std::vector<std::pair<std::ptrdiff_t, double>>;  // where a number is not the usual, by memory index
+  static Exceptions exceptions(const Array3<double>& field, double usual = 1);
+  static double looked_up(const Exceptions& list, std::ptrdiff_t m, double usual = 1);
   double theta_around(const GridMeasures& measures, int t, const Int3& x) const;
   void set_edges(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha);
   void set_uncut(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved,
@@ -164,7 +183,8 @@ class OpenShares {
   std::array<std::vector<Run>, 3> closed_runs_, enclosed_;  // the same faces; those of them without an open cell beside
   using OpenBeside = std::vector<std::pair<std::ptrdiff_t, double>>;
   std::array<OpenBeside, 3> open_beside_;  // the others, and 1/theta_f
-  std::array<Exceptions, 3> centre_, viscous_;
+  std::array<Exceptions, 3> centre_, viscous_, wall_velocity_, drift_;
+  std::vector<OpenSpace::Beside> beside_;
   std::vector<Sliver> slivers_;
   std::vector<WallPiece> pieces_;
   std::vector<WallCell> surface_;

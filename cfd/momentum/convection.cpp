@@ -85,12 +85,31 @@ void ConvectionTerm::list_cut_sides(const OpenShares& open) {
         const int when =
             (between || cut(m - 2 * s) ? CutSides::kFlowUp : 0) | (between || above ? CutSides::kFlowDown : 0);
         if (when == 0) return;
+        if (between) list_moving_side(open, c, d, x, m);
         CutSides& sides = cut_sides_[c][d];
         sides.at.push_back(m), sides.when.push_back(when);
         for (int e = 0; e < 3; ++e) sides.index[e].push_back(x[e]);
       });
       change_.resize(std::max(change_.size(), cut_sides_[c][d].at.size()));
     }
+}
+
+void ConvectionTerm::list_moving_side(const OpenShares& open, int c, int d, const Int3& x, std::ptrdiff_t m) {
+  const std::ptrdiff_t s = open.theta().stride(d);
+  const bool low = open.alpha(c, m - s) > 0, high = open.alpha(c, m) > 0;
+  if (low == high) return;
+  const double velocity = open.wall_velocity(c, low ? m : m - s);
+  if (velocity == 0) return;
+  const auto width = [&](int e, int i) { return axis_[e].width(i); };
+  if (c == d) {
+    const double part = 0.25 * width((c + 1) % 3, x[(c + 1) % 3]) * width((c + 2) % 3, x[(c + 2) % 3]) * velocity;
+    moving_sides_[c][d].push_back({m, m - s, part, part});
+    return;
+  }
+  const double of_upper = 0.5 * width(d, x[d] - 1) / axis_[d].face_width(x[d]);
+  const double part = (low ? of_upper : 1 - of_upper) * width(3 - c - d, x[3 - c - d]) * velocity;
+  moving_sides_[c][d].push_back(
+      {m, m - open.theta().stride(c), axis_[c].half_above(x[c]) * part, axis_[c].half_below(x[c]) * part});
 }
 
 struct ConvectionTerm::Convected {
@@ -236,6 +255,20 @@ void ConvectionTerm::add(double rho, const FaceField<FineGrid>& eps_f, const Fac
   } else {
     rows_[0] ? convect_central_between_bodies(a, out) : convect_central(a, out);
   }
+  carry_walls(a, out);
+}
+
+/// Closed faces hold no velocity; on sides that they share with open ones, walls that move have theirs.
+void ConvectionTerm::carry_walls(const Convected& a, FaceField<FineGrid>& out) const {
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d) {
+      const double *e = a.eps_f[d].data(), *v = a.u[d].data();
+      for (const MovingSide& w : moving_sides_[c][d]) {
+        const double q = a.rho * (e[w.upper] * v[w.upper] * w.here + e[w.other] * v[w.other] * w.there);
+        out[c].data()[w.upper] += q;
+        out[c].data()[w.upper - out[c].stride(d)] -= q;
+      }
+    }
 }
 
 TWOGRID_VECTORISED void ConvectionTerm::convect_limited(const Convected& a, FaceField<FineGrid>& out) {

@@ -40,6 +40,8 @@ class ConvectionTerm {
   void centre_cut_sides(const Convected& a, FaceField<FineGrid>& out);
   template <int c, int d>
   void centre_cut_sides(const Convected& a, Array3<double>& out);
+  void list_moving_side(const OpenShares& open, int c, int d, const Int3& upper, std::ptrdiff_t m);
+  void carry_walls(const Convected& a, FaceField<FineGrid>& out) const;
 
   OpenRows::Part part(int c, int j, int k) const;
 
@@ -58,6 +60,12 @@ class ConvectionTerm {
     std::vector<int> when;                  // flow up and/or down: the limiter would look at the wall then
   };
   std::array<std::array<CutSides, 3>, 3> cut_sides_;  // of component c, normal to d
+  /// A side between an open and a closed face, whose velocity is that of a wall that moves along itself.
+  struct MovingSide {
+    std::ptrdiff_t upper, other;  // faces: of the component; the second that carries through the side
+    double here, there;           // areas that the two carry through, times the wall's share of the velocity (m3/s)
+  };
+  std::array<std::array<std::vector<MovingSide>, 3>, 3> moving_sides_;
   std::vector<double> change_;                        // scratch: of a list of cut sides
   std::array<std::vector<double>, 3> side_;           // scratch: fluxes through the sides of a row, two rows, two slabs
 };

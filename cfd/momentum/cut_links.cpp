@@ -1,5 +1,7 @@
 #include "cfd/momentum/cut_links.h"
 
+#include <algorithm>
+
 #include "cfd/parallel/vectorised.h"
 
 namespace twogrid {
@@ -58,7 +60,7 @@ CutLinks::CutLinks(const GridMeasures& measures, const std::array<Box, 3>& faces
       });
     }
   for (int c = 0; c < 3; ++c)
-    if (solved[c]) list_transposed(c, faces[c], solved);
+    if (solved[c]) list_transposed(c, faces[c], solved), list_moved(c, faces[c]);
   places_ = {};
   for (Edges& e : edges_) e.in_links.resize(e.at.size());
   for (auto& s : cells_.stress) s.resize(cells_.at.size());
@@ -78,7 +80,8 @@ bool CutLinks::link_above(int c, int d, const Int3& x, Link& link) {
   if (!(through > 0)) return false;
   Int3 edge = x;
   ++edge[d];
-  link = {m, -1, through / theta[m], {open.centre(c, m), open.centre(c, m + sd)}};
+  link = {
+      m, -1, through / theta[m], {open.centre(c, m), open.centre(c, m + sd)}, open.drift(c, m + sd) - open.drift(c, m)};
   if (c == d) return true;
   const AxisMeasure &own = measures_.axis(c), &other = measures_.axis(d);
   link.edge = place_of_edge(3 - c - d, edge);
@@ -182,6 +185,45 @@ double CutLinks::aperture(int c, int d, std::ptrdiff_t lower, const Int3& x) con
   return open_width * width(3 - c - d) / measures_.axis(d).face_width(x[d] + 1);
 }
 
+/// Of faces beside walls that move: u - u_r in place of u, in what is a face's own. Links that two faces share take the
+/// change of u_r between their centres along with that of u (drift); each takes it off again as its own wall has it.
+void CutLinks::list_moved(int c, const Box& faces) {
+  const OpenShares& open = *measures_.open();
+  const std::vector<std::ptrdiff_t>& rows = faces_[c];
+  for (int d = 0; d < 3; ++d) {
+    for (const Link& link : links_[c][d]) moving_ = moving_ || link.drift != 0;
+    for (const Steeper& s : steeper_[c][d])
+      if (s.link.drift != 0) moved_[c][d].push_back({s.slot, s.up ? s.link.drift : -s.link.drift, s.link, true});
+  }
+  moving_ = moving_ || !open.beside().empty();
+  for (const OpenSpace::Beside& b : open.beside()) {
+    if (b.component != c || !faces.contains(b.face[0], b.face[1], b.face[2])) continue;
+    const std::ptrdiff_t m = open.theta().index(b.face[0], b.face[1], b.face[2]);
+    const auto row = std::lower_bound(rows.begin(), rows.end(), m);
+    if (row == rows.end() || *row != m) continue;
+    const int slot = int(row - rows.begin());
+    const double steeper = open.viscous(c, m) - 1;
+    for (int d = 0; d < 3; ++d) {
+      if (d == c || b.slope[d] == 0) continue;
+      for (bool up : {false, true}) {
+        Int3 lower = b.face;
+        if (!up) --lower[d];
+        const double change = (up ? -1 : 1) * b.slope[d] * measures_.axis(d).face_width(lower[d] + 1);
+        Moved own{slot, change, {}, false};
+        const std::ptrdiff_t edge = up ? m + open.theta().stride(d) : m;
+        if (!link_above(c, d, lower, own.link)) continue;
+        if (open.edge(3 - c - d).data()[edge] == 0) moved_[c][d].push_back(own);
+        if (steeper == 0) continue;
+        own.exceeds = true, own.link.conductance *= steeper;
+        moved_[c][d].push_back(own);
+      }
+      const double across = -b.slope[d] * measures_.axis(c).face_width(b.face[c]);  // change of u_r's d along c
+      for (const Transposed& t : transposed_[c][d])
+        if (t.slot == slot) moved_sides_[c][d].push_back({slot, t.place, t.factor * across});
+    }
+  }
+}
+
 /// Of edges: mu eps, with the harmonic mean of mu; in links over what is open around.
 void CutLinks::set_means(const Property& mu, const CellField<FineGrid>& e) {
   const double* theta = measures_.open()->theta().data();
@@ -252,6 +294,40 @@ void CutLinks::sum_left_out(const Property& mu, const CellField<FineGrid>& e, co
     }
     for (std::size_t q = 0; q < faces_[c].size(); ++q) left_out[q] += exceeding[q];
   }
+}
+
+template <class F>
+inline void CutLinks::for_each_moved(const Property& mu, const CellField<FineGrid>& e, F&& f) const {
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d) {
+      for (const Moved& w : moved_[c][d]) f(c, w.slot, w.change * conductance(c, d, w.link, mu, e.data()), w.exceeds);
+      if (c == d) continue;
+      const Edges& edges = edges_[3 - c - d];
+      const double* mu_eps = (mu.varies() ? edges.in_gradients : edges.in_links).data();
+      for (const Transposed& t : moved_sides_[c][d]) f(c, t.slot, mu_eps[t.place] * t.factor, false);
+    }
+}
+
+void CutLinks::add_moving(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& out) {
+  if (!moving_) return;
+  set_means(mu, e);
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d)
+      for (const Link& link : links_[c][d]) {
+        const double force = conductance(c, d, link, mu, e.data()) * link.drift;
+        out[c].data()[link.lower] += force;
+        out[c].data()[link.lower + e.stride(d)] -= force;
+      }
+  for_each_moved(mu, e, [&](int c, int slot, double f, bool) { out[c].data()[faces_[c][slot]] += f; });
+}
+
+void CutLinks::leave_moving_out(const Property& mu, const CellField<FineGrid>& e) {
+  if (!moving_) return;
+  set_means(mu, e);
+  for_each_moved(mu, e, [&](int c, int slot, double f, bool exceeds) {
+    left_out_[c][slot] -= f;
+    if (exceeds) exceeding_[c][slot] -= f;
+  });
 }
 
 void CutLinks::leave_out(const Property& mu, const CellField<FineGrid>& e, const FaceField<FineGrid>& u) {

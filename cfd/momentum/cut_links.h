@@ -36,6 +36,10 @@ class CutLinks {
   const std::array<std::vector<double>, 3>& left_out() const { return left_out_; }
   /// Of that the latter part alone, which is the wall's and has a torque about it.
   const std::array<std::vector<double>, 3>& exceeding() const { return exceeding_; }
+  /// out += what walls that move along themselves give besides, N: links act on u - u_r (OpenSpace::Beside).
+  void add_moving(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& out);
+  /// The same in left_out() and exceeding(), after they are made.
+  void leave_moving_out(const Property& mu, const CellField<FineGrid>& e);
   /// diagonal += that of -add(), N s/m.
   void add_diagonal(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& diagonal);
 
@@ -56,6 +60,7 @@ class CutLinks {
     int edge;              // of edges_ of the direction other than the component's and the link's; else not used
     double conductance;    // a A/h over the mean of theta of the cells around (m)
     double centre[2];      // of the lower and the upper face
+    double drift = 0;      // of the upper less the lower face (m/s)
   };
   struct Transposed {
     int slot;       // of the face
@@ -67,6 +72,17 @@ class CutLinks {
     bool up;   // the link goes up from it
     Link link;
   };
+  /// What a face has of u_r alone: of its own that its links' neighbours don't share, and on sides without links.
+  struct Moved {
+    int slot;
+    double change;  // m/s
+    Link link;
+    bool exceeds;  // the wall's, as a steeper link's
+  };
+  void list_moved(int c, const Box& faces);
+  /// f(component, slot, force, exceeds), after set_means().
+  template <class F>
+  void for_each_moved(const Property& mu, const CellField<FineGrid>& e, F&& f) const;
   bool link_above(int c, int d, const Int3& x, Link& link);
   void list_transposed(int c, const Box& faces, const std::array<bool, 3>& solved);
   /// Places in edges_[t], at the low corner of cell x, and in cells_; made if need be.
@@ -87,6 +103,9 @@ class CutLinks {
   std::array<std::vector<int>, 4> places_;  // of edges and cells, by memory index; while the lists are made
   std::array<std::vector<std::ptrdiff_t>, 3> faces_;
   std::array<std::vector<double>, 3> left_out_, exceeding_;
+  bool moving_ = false;                                                // the rest is empty without it
+  std::array<std::array<std::vector<Moved>, 3>, 3> moved_;             // of component c, along d
+  std::array<std::array<std::vector<Transposed>, 3>, 3> moved_sides_;  // the same, on edges; factor: times the change
 };
 
 }  // namespace twogrid

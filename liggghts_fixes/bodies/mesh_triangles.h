@@ -32,7 +32,5 @@ std::vector<T> gathered(const std::vector<T>& own, MPI_Comm comm) {
 
 /// All of them on all ranks, in an order that depends on nothing but their corners. Collective.
 std::vector<Triangle> mesh_triangles(LAMMPS_NS::FixMeshSurface& mesh, MPI_Comm comm);
-/// Whether something moves, turns, stretches or deforms it; how, in words.
-bool mesh_moves(LAMMPS_NS::LAMMPS& lammps, LAMMPS_NS::FixMeshSurface& mesh, std::string* how);
 
 }  // namespace twogrid

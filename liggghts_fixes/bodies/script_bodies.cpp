@@ -20,6 +20,7 @@
 #include "liggghts_fixes/bodies/mesh_triangles.h"
 #include "liggghts_fixes/bodies/primitive_shape.h"
 #include "liggghts_fixes/bodies/region_shape.h"
+#include "liggghts_fixes/bodies/surface_motion.h"
 #include "liggghts_fixes/private_member.h"
 #include "liggghts_fixes/script/words.h"
 
@@ -131,22 +132,48 @@ double widest_cell(const FineGrid& grid) {
   return h;
 }
 
-Body mesh_body(LAMMPS& lammps, const BodyNames& names, const std::vector<FixMeshSurface*>& meshes,
+/// checkpoints: the run writes them by itself.
+Body mesh_body(LAMMPS& lammps, const BodyNames& names, const std::vector<FixMeshSurface*>& meshes, bool checkpoints,
                std::uint64_t* print) {
   std::vector<Triangle> all;
+  std::vector<SurfaceMotion> motions;
+  bool turned = false;
   for (FixMeshSurface* mesh : meshes) {
-    std::string how;
-    if (mesh_moves(lammps, *mesh, &how))
-      refuse(solid_keyword(names), "mesh " + std::string(mesh->id) + " " + how,
-             "a mesh at rest: bodies that move are not in the fluid yet (the grains may feel it; leave 'solid' out)");
     const std::vector<Triangle> some = mesh_triangles(*mesh, lammps.world);
+    const FeltMotion moved = mover_motion(lammps, *mesh, some);
+    if (!moved.why.empty())
+      refuse(
+          solid_keyword(names), "mesh " + std::string(mesh->id) + " " + moved.why,
+          "a mesh that stays where it is, at rest or turned by one 'fix move/mesh ... rotate' about the axis about "
+          "which it is round: bodies that move otherwise are not in the fluid (the grains may feel it; leave 'solid' "
+          "out)");
+    if (moved.motion.any() && checkpoints)
+      refuse(
+          solid_keyword(names),
+          "mesh " + std::string(mesh->id) +
+              ", which a fix move/mesh turns, and 'checkpoint': at a restart its "
+              "facets lie elsewhere than the fluid's grid was cut by",
+          "'surface_ang_vel' of the mesh in place of fix move/mesh, which the grains and the fluid feel alike, or no "
+          "'checkpoint'");
+    turned = turned || moved.motion.any();
+    motions.push_back(moved.motion.any() ? moved.motion : surface_motion(*mesh, some).motion);
     all.insert(all.end(), some.begin(), some.end());
   }
-  add(*print, all.data(), all.size() * sizeof(Triangle));
+  const SurfaceMotion motion = motions.empty() ? SurfaceMotion{} : motions[0];
+  for (const SurfaceMotion& other : motions)
+    if (other.velocity != motion.velocity || other.turning != motion.turning ||
+        (motion.any() && other.origin != motion.origin))
+      refuse(solid_keyword(names), "a wall of meshes that move differently",
+             "a body each: 'solid NAME mesh FIXID' for every one");
+  // One that turns is where it was in its first run.
+  const std::size_t triangles = all.size();
+  add(*print, all.data(), turned ? 0 : triangles * sizeof(Triangle));
+  if (turned) add(*print, &triangles, sizeof triangles);
   if (all.empty())
     refuse(solid_keyword(names), "a mesh without triangles", "a mesh/surface with at least one in the fluid's domain");
   add(*print, &names.sheet, sizeof names.sheet);
-  return {names.name, std::make_shared<TriangleSet>(std::move(all)), names.slip, names.sheet};
+  if (motion.any()) add(*print, &motion, sizeof motion);
+  return {names.name, std::make_shared<TriangleSet>(std::move(all)), names.slip, names.sheet, motion};
 }
 
 Body region_body(LAMMPS& lammps, const BodyNames& names, const FineGrid& grid, std::uint64_t* print) {
@@ -175,13 +202,16 @@ std::string solid_keyword(const BodyNames& names) {
 Body ScriptBodies::make(const BodyNames& names, const FineGrid& grid, std::uint64_t* print) const {
   *print = 14695981039346656037u;
   if (names.kind == BodyNames::Kind::kRegion) return region_body(lammps_, names, grid, print);
-  if (names.kind == BodyNames::Kind::kMesh) return mesh_body(lammps_, names, {&mesh_of(lammps_, names)}, print);
+  const bool kept = script_.checkpoints.by_itself();
+  if (names.kind == BodyNames::Kind::kMesh) return mesh_body(lammps_, names, {&mesh_of(lammps_, names)}, kept, print);
   FixWallGran& wall = wall_of(lammps_, names);
   if (wall.is_mesh_wall())
-    return mesh_body(lammps_, names, {wall.mesh_list(), wall.mesh_list() + wall.n_meshes()}, print);
+    return mesh_body(lammps_, names, {wall.mesh_list(), wall.mesh_list() + wall.n_meshes()}, kept, print);
   const Primitive primitive = primitive_of(wall);
   add(*print, &primitive.axis, sizeof primitive.axis), add(*print, primitive.value.data(), sizeof primitive.value);
-  return {names.name, primitive_shape(primitive), names.slip};
+  const SurfaceMotion motion = shear_motion(wall, primitive).motion;
+  if (motion.any()) add(*print, &motion, sizeof motion);
+  return {names.name, primitive_shape(primitive), names.slip, false, motion};
 }
 
 /// Of the particles that the fluid sees: all or every so many by their number, on all ranks. Collective.
@@ -207,7 +237,7 @@ void ScriptBodies::resolve(FluidSettings& fluid, const FineGrid& grid) {
     std::uint64_t print = 0;
     fluid.bodies.push_back(make(names, grid, &print));
     if (again && print != prints_[b])
-      refuse(solid_keyword(names), "another shape or place than in the fix's first run",
+      refuse(solid_keyword(names), "another shape, place or motion than in the fix's first run",
              "the same: the fluid's grid is cut for good ('unfix' and the fix again take the new one; the fluid then "
              "begins anew)");
     if (!again) prints_.push_back(print);
@@ -295,9 +325,22 @@ std::vector<std::string> ScriptBodies::doubts() {
           "' is no wall for the particles, which pass through it: add 'fix ID all wall/gran ... mesh n_meshes "
           "1 meshes " +
           names.id + "'");
-    if (names.kind == BodyNames::Kind::kMesh && mesh_of(lammps_, names).surfaceVel())
-      found.push_back("the surface of mesh " + names.id +
-                      " moves along itself (surface_vel), which the particles feel and the fluid doesn't");
+    std::string what, why;
+    if (names.kind != BodyNames::Kind::kRegion) {
+      FixWallGran* const wall = names.kind == BodyNames::Kind::kWall ? &wall_of(lammps_, names) : nullptr;
+      if (wall && !wall->is_mesh_wall()) {
+        what = "wall " + names.id, why = shear_motion(*wall, primitive_of(*wall)).why;
+      } else {
+        const std::vector<FixMeshSurface*> meshes =
+            wall ? std::vector<FixMeshSurface*>(wall->mesh_list(), wall->mesh_list() + wall->n_meshes())
+                 : std::vector<FixMeshSurface*>{&mesh_of(lammps_, names)};
+        for (FixMeshSurface* mesh : meshes)
+          if (const std::string its = surface_motion(*mesh, mesh_triangles(*mesh, lammps_.world)).why; !its.empty())
+            what = "the surface of mesh " + std::string(mesh->id), why = its;
+      }
+    }
+    if (!why.empty() && !names.slip)
+      found.push_back(what + " moves " + why + ". The particles feel that; to the fluid the wall is at rest");
   }
   return found;
 }

@@ -7,6 +7,7 @@
 #include "cfd/boundary/patches.h"
 #include "cfd/grid/pi.h"
 #include "coupling/forces/drag.h"
+#include "liggghts_fixes/report/body_lines.h"
 #include "liggghts_fixes/script/boundary_words.h"
 #include "liggghts_fixes/script/keywords.h"
 #include "liggghts_fixes/script/models.h"
@@ -127,12 +128,6 @@ int automatic_every(const SceneNumbers& n, const Settings& s, double dem_dt) {
   if (u > 0) interval = std::min(interval, s.fluid.cfl * n.h_min / u);
   if (n.tau > 0) interval = std::min(interval, 0.5 * n.tau);
   return std::clamp(int(interval / dem_dt), 1, 100);
-}
-
-/// Thickness sqrt(mu eps/beta) of the layer in which a packed bed's flow feels a wall (m); 0: unknown.
-static double friction_layer(const Settings& s, const SceneNumbers& n) {
-  constexpr double kEps = 0.4;
-  return n.beta > 0 ? std::sqrt(s.fluid.viscosity * kEps / n.beta) : 0;
 }
 
 /// Of a wall inside the fluid's domain that the fluid doesn't know; else empty.
@@ -262,58 +257,6 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
                 " N/m has the same contact time between these particles, and runs some three times as fast");
   if (s.one_way) w.push_back("one-way: the particles feel the fluid, the fluid does not feel them");
   return w;
-}
-
-/// What the report says of vessels and bodies: "name: value".
-static std::vector<std::string> body_lines(const Script& script, const SceneFacts& facts, const SceneNumbers& n) {
-  std::vector<std::string> lines;
-  if (!facts.cut) return lines;
-  const Settings& s = script.settings;
-  const CutReport& cut = *facts.cut;
-  bool rubs = false, slips = false;
-  for (std::size_t b = 0; b < cut.bodies.size() && b < script.bodies.size(); ++b) {
-    const BodyNames& names = script.bodies[b];
-    const CutReport::OfBody& body = cut.bodies[b];
-    (names.slip ? slips : rubs) = true;
-    const char* const kinds[] = {"mesh ", "wall ", "region "};
-    lines.push_back("solid " + names.name + ": " + kinds[int(names.kind)] + names.id +
-                    (names.sheet ? ", a sheet" : "") + (names.slip ? ", slip; " : ", noslip; ") + brief(body.area) +
-                    " m2 of its surface in the fluid" + (names.sheet ? ", both sides, " : ", ") +
-                    (body.volume > 0 ? brief(body.volume) + " m3 closed, " : "") + std::to_string(body.cells) +
-                    (names.sheet ? " cells beside it" : " cells cut"));
-  }
-  if (!cut.fluid_side.empty()) lines.push_back("fluid is: " + cut.fluid_side);
-  double domain = 1;
-  for (int d = 0; d < 3; ++d) domain *= s.domain[2 * d + 1] - s.domain[2 * d];
-  const double cells = double(s.fine[0]) * s.fine[1] * s.fine[2];
-  lines.push_back(
-      "open to the fluid: " + brief(cut.open_volume) + " m3, " + brief(100 * cut.open_volume / domain) +
-      " % of the domain; " + std::to_string(cut.closed_cells) + " of " + std::to_string((long long)cells) +
-      " cells closed" +
-      (cut.pocket_volume > 0 ? ", of them " + brief(cut.pocket_volume) + " m3 in pockets that nothing leads to" : ""));
-  if (cut.sheet_faces > 0)
-    lines.push_back("sheets: " + std::to_string(cut.sheet_faces) +
-                    " faces closed by them, in steps; their place is right to half a cell");
-  if (cut.narrowest > 0) lines.push_back("narrowest opening: " + brief(cut.narrowest) + " cells");
-  if (facts.nodes)
-    lines.push_back("particle cells: " + std::to_string(facts.nodes->cut - facts.nodes->closed) + " cut, of which " +
-                    std::to_string(facts.nodes->merged) +
-                    " share their value with a neighbour; smallest open part of a "
-                    "cell and what it shares with: " +
-                    brief(facts.nodes->smallest) + " of a whole one");
-  lines.push_back(
-      "walls in cut cells: second order in the cell" + std::string(slips ? "; slip: first order" : "") +
-      (cut.slivers > 0 ? "; " + std::to_string(cut.slivers) + " faces are slivers: pressure and friction only" : "") +
-      (cut.thin_edges > 0 ? "; " + std::to_string(cut.thin_edges) +
-                                " edges of cells are crossed twice: what is finer than a cell there is cut off"
-                          : ""));
-  if (const double layer = friction_layer(s, n); rubs && layer > 0)
-    lines.push_back("wall's layer in a bed: " + brief(layer) + " m = " + brief(layer / n.h_min) + " cells" +
-                    (layer < 2 * n.h_min
-                         ? ": friction on walls is not resolved there and falls short; flow and pressure "
-                           "drop of the bed don't hang on it"
-                         : ""));
-  return lines;
 }
 
 std::vector<std::string> scene_savings(const Settings& s, const SceneFacts& facts) {
