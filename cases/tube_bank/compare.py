@@ -55,7 +55,7 @@ def empty_bank(bed, verdict, folder):
 
 def forces(bed, verdict, short):
     floor, on_grains, on_gas = bed.mean[:, 2], bed.mean[:, 3], bed.mean[:, 4:12]
-    dp, share, scatter = momentum(bed, verdict, {"floor and sides": floor, "tubes on grains": on_grains, "tubes on gas": -on_gas.sum(axis=1)}, 3e-3 if short else 1e-3, ("tubes on gas",))
+    dp, share, scatter = momentum(bed, verdict, {"floor, lid and sides": floor, "tubes on grains": on_grains, "tubes on gas": -on_gas.sum(axis=1)}, 3e-3 if short else 1e-3, ("tubes on gas",))
     # In a fluidised bed the tubes are lifted as by a liquid, or not at all where grains lie on them.
     average, z = bed.file["average/particle_grid"], plot_fields.nodes(bed.file, "particle_grid")[2]
     theta = plot_fields.open_share(bed.file, "particle_grid")

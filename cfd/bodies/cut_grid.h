@@ -20,6 +20,7 @@
 
 #include <mpi.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct CutReport {
   };
   std::vector<OfBody> bodies;
   double open_volume = 0;                                   ///< m3
+  std::array<std::vector<double>, 3> open_layers;           ///< the same by layers of cells along x, y, z (m3)
   long long sheet_faces = 0;                                ///< closed by sheets
   long long closed_cells = 0, slivers = 0, thin_edges = 0;  ///< thin: edges that are crossed twice or more
   std::string fluid_side;                                   ///< what told which parts of the domain are fluid, in words

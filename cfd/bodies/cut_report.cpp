@@ -60,6 +60,7 @@ void sum_up(const LocalGrid& g, const Surfaces& surfaces, const CutEdges& edges,
   enum { kOpen, kClosed, kSlivers, kCommon, kArea = 0, kVolume, kCells, kOfBody };
   std::vector<double> sum(kCommon + n * kOfBody, 0.0);
   const auto of = [&](int body, int what) -> double& { return sum[kCommon + std::size_t(body) * kOfBody + what]; };
+  for (int d = 0; d < 3; ++d) report.open_layers[d].assign(g.grid.axis[d].n(), 0.0);
   for (int d = 0; d < 3; ++d)
     for_each(g.own_faces[d], [&](int i, int j, int k) {
       if (space.links[d](i, j, k) & OpenSpace::kSliver) ++sum[kSlivers];
@@ -69,6 +70,7 @@ void sum_up(const LocalGrid& g, const Surfaces& surfaces, const CutEdges& edges,
     const Int3 cell{i, j, k};
     const double V = g.volume(cell), closed = 1 - space.theta(i, j, k);
     sum[kOpen] += (1 - closed) * V;
+    for (int d = 0; d < 3; ++d) report.open_layers[d][cell[d]] += (1 - closed) * V;
     if (closed == 1) ++sum[kClosed];
     if (!(closed > 0)) return;
     int body = -1;
@@ -85,6 +87,8 @@ void sum_up(const LocalGrid& g, const Surfaces& surfaces, const CutEdges& edges,
     if (body >= 0) of(body, kVolume) += closed * V;
   });
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), int(sum.size()), MPI_DOUBLE, MPI_SUM, g.comm);
+  for (std::vector<double>& layers : report.open_layers)
+    MPI_Allreduce(MPI_IN_PLACE, layers.data(), int(layers.size()), MPI_DOUBLE, MPI_SUM, g.comm);
   report.open_volume = sum[kOpen];
   report.closed_cells = static_cast<long long>(sum[kClosed]);
   report.slivers = static_cast<long long>(sum[kSlivers]);

@@ -7,6 +7,7 @@ namespace twogrid {
 namespace {
 
 constexpr double kNoWall = 1e30;
+constexpr double kTouching = 1e-3;  // cells: walls that touch, as a cylinder does a side; no opening
 
 class Lines {
  public:
@@ -82,7 +83,7 @@ double narrowest_opening(const LocalGrid& g, const Surfaces& surfaces, const Cut
         above = lines.to_wall(v, true);
       if (above == kNoWall) return;
       const double length = since(i, j, k) + above, cells = length / g.width(d, std::min(v[d], n - 1));
-      if (!(cells < narrowest) || length > 0.999 * g.grid.axis[d].length()) return;
+      if (!(cells < narrowest) || cells < kTouching || length > 0.999 * g.grid.axis[d].length()) return;
       // Across the opening: nothing is much nearer to its middle than its ends.
       Vec3 middle;
       double room = length;

@@ -40,7 +40,7 @@ std::string Progress::line(double wall, long long done, double time) {
 }
 
 std::string Progress::line_within(double wall, int steps, double share, double spent, double time) {
-  if (wall - last_ < kSeconds) return "";
+  if (spent < kSeconds || wall - last_ < kSeconds) return "";
   last_ = wall;
   char clock[32], percent[16];
   std::snprintf(clock, sizeof clock, "%.6g", time);

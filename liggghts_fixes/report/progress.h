@@ -17,7 +17,7 @@ class Progress {
   void begin(double wall, long long steps);
   /// A line when at least kSeconds have passed since the last one, else "". done: steps of this run so far; time: s.
   std::string line(double wall, long long done, double time);
-  /// The same within a coupling that takes long: after `steps` fluid steps, which are `share` of the interval and have
+  /// The same within a coupling that takes longer than that: after `steps` fluid steps, which are `share` of the interval and have
   /// taken `spent` seconds.
   std::string line_within(double wall, int steps, double share, double spent, double time);
 

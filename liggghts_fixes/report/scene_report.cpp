@@ -5,8 +5,7 @@
 #include <sstream>
 
 #include "cfd/boundary/patches.h"
-#include "cfd/grid/pi.h"
-#include "coupling/forces/drag.h"
+#include "liggghts_fixes/report/bed_end.h"
 #include "liggghts_fixes/report/body_lines.h"
 #include "liggghts_fixes/script/boundary_words.h"
 #include "liggghts_fixes/script/keywords.h"
@@ -16,28 +15,11 @@
 namespace twogrid {
 namespace {
 
-constexpr double kPatchError = 0.02;  // of a patch's area, above which it is told
-
 std::string three(const Int3& v, const char* between = " x ") {
   return std::to_string(v[0]) + between + std::to_string(v[1]) + between + std::to_string(v[2]);
 }
 std::string three(const Vec3& v, const char* between = " ") {
   return text(v[0]) + between + text(v[1]) + between + text(v[2]);
-}
-
-bool sizes_differ(const SceneFacts& facts) {
-  return facts.d_max > facts.d_min * (1 + 1e-9);
-}
-
-double smallest_width(const Axis& axis, int block) {
-  double w = 1e300;
-  for (int i = 0; i + block <= axis.n(); i += block) w = std::min(w, axis.node(i + block) - axis.node(i));
-  return w;
-}
-
-/// a < b, and by more than rounding: what a script gives as exactly the limit is no case for a warning.
-bool below(double a, double b) {
-  return a < b * (1 - 1e-9);
 }
 
 std::string condition_text(const BoundaryCondition& c) {
@@ -57,207 +39,7 @@ std::string condition_text(const BoundaryCondition& c) {
   return word;
 }
 
-double largest_inlet(const FluidSettings& fluid, bool* varies) {
-  double U = 0;
-  for (int s = 0; s < 6; ++s)
-    for (const BoundaryCondition& c : fluid.side[s])
-      if (c.kind == BoundaryKind::kInlet) {
-        const Vec3 u = c.velocity_now ? c.velocity_now() : c.velocity;
-        if (varies && c.velocity_now) *varies = true;
-        U = std::max(U, std::abs(u[direction(s)]));
-      }
-  return U;
-}
-
 }  // namespace
-
-double minimum_fluidisation(double d, double rho_p, double rho_f, double mu, double g, double eps) {
-  const double e3 = eps * eps * eps;
-  const double a = 1.75 * rho_f / (e3 * d), b = 150 * mu * (1 - eps) / (e3 * d * d), c = (rho_p - rho_f) * g;
-  if (c <= 0 || d <= 0) return 0;
-  return 2 * c / (b + std::sqrt(b * b + 4 * a * c));
-}
-
-SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneFacts& facts) {
-  SceneNumbers n;
-  n.h_min = n.h_coarse = 1e300;
-  for (int d = 0; d < 3; ++d) {
-    if (s.fine[d] == 1) continue;
-    n.h_min = std::min(n.h_min, smallest_width(grid.axis[d], 1));
-    n.h_coarse = std::min(n.h_coarse, smallest_width(grid.axis[d], s.ratio[d]));
-  }
-  if (n.h_min == 1e300) n.h_min = n.h_coarse = smallest_width(grid.axis[0], 1);
-
-  const double rho = s.fluid.density, mu = s.fluid.viscosity, d = facts.d_mean;
-  const double g = std::sqrt(facts.gravity[0] * facts.gravity[0] + facts.gravity[1] * facts.gravity[1] +
-                             facts.gravity[2] * facts.gravity[2]);
-  constexpr double kEps = 0.4;
-  if (d > 0 && facts.density > 0) n.Umf = minimum_fluidisation(d, facts.density, rho, mu, g, kEps);
-  n.U = std::max(largest_inlet(s.fluid, &n.U_varies), std::abs(s.fluid.initial_vortex));
-  for (int i = 0; i < 3; ++i) {
-    n.U = std::max(n.U, std::abs(s.fluid.initial_velocity[i]));
-    if (s.fluid.flow_rate_set[i]) n.U = std::max(n.U, std::abs(s.fluid.flow_rate[i]));
-  }
-  if (n.U == 0) n.U = n.Umf;
-  if (d > 0) {
-    n.Re = rho * n.U * d / mu;
-    if (facts.density > 0) {
-      n.Stokes = facts.density * n.U * d / (9 * mu);
-      const double bed_U = n.Umf > 0 ? n.Umf : n.U;
-      const double beta =
-          150 * (1 - kEps) * (1 - kEps) * mu / (kEps * d * d) + 1.75 * (1 - kEps) * rho * (bed_U / kEps) / d;
-      n.beta = beta;
-      n.tau = facts.density * (1 - kEps) / beta;
-    }
-  }
-  if (facts.d_max > 0 && s.every > 0 && facts.dem_dt > 0) {
-    double area = 1e300;  // of the smallest side between two particle cells
-    for (int i = 0; i < 3; ++i)
-      if (s.fine[i] > s.ratio[i])
-        area = std::min(area, smallest_width(grid.axis[(i + 1) % 3], s.ratio[(i + 1) % 3]) *
-                                  smallest_width(grid.axis[(i + 2) % 3], s.ratio[(i + 2) % 3]));
-    n.noise = kPi / 6 * d * d * d / (s.every * facts.dem_dt * area);
-  }
-  n.cfl = std::max(n.U, n.Umf / kEps) * s.every * facts.dem_dt / n.h_min;
-  return n;
-}
-
-int automatic_every(const SceneNumbers& n, const Settings& s, double dem_dt) {
-  double interval = 100 * dem_dt;
-  const double u = std::max(n.U, n.Umf / 0.4);
-  if (u > 0) interval = std::min(interval, s.fluid.cfl * n.h_min / u);
-  if (n.tau > 0) interval = std::min(interval, 0.5 * n.tau);
-  return std::clamp(int(interval / dem_dt), 1, 100);
-}
-
-/// Of a wall inside the fluid's domain that the fluid doesn't know; else empty.
-static std::string blown_through(const WallFacts& wall, const Settings& s, double h) {
-  const auto& dom = s.domain;
-  const double slack = 0.01 * h;
-  if (wall.solid) return "";
-  const bool mesh = wall.kind == WallFacts::Kind::kMesh;
-  const std::string line = "'fix_modify " + s.id + " solid " + wall.id + (mesh ? " mesh " : " wall ") + wall.id + "'";
-  if (wall.kind == WallFacts::Kind::kPlane) {
-    const int i = wall.axis;
-    const double lo = dom[2 * i], hi = dom[2 * i + 1];
-    if (wall.position <= lo + slack || wall.position >= hi - slack) return "";
-    const bool high = wall.position > 0.5 * (lo + hi);
-    return "the wall of fix " + wall.id + " at " + "xyz"[i] + " = " + text(wall.position) +
-           " stands inside the fluid's domain, and the fluid blows through it: let the domain " +
-           (high ? "end" : "begin") + " there (domain ... " + kSideNames[2 * i + high] + " " + text(wall.position) +
-           " ...), or say " + line;
-  }
-  double farthest = 0;  // corner of the domain from a cylinder's axis
-  for (int i = 0; i < 3; ++i) {
-    if (wall.bounds[2 * i] >= dom[2 * i + 1] - slack || wall.bounds[2 * i + 1] <= dom[2 * i] + slack) return "";
-    if (i == wall.axis) continue;
-    const double centre = 0.5 * (wall.bounds[2 * i] + wall.bounds[2 * i + 1]);
-    const double away = std::max(std::abs(dom[2 * i] - centre), std::abs(dom[2 * i + 1] - centre));
-    farthest += away * away;
-  }
-  if (wall.kind == WallFacts::Kind::kCylinder && farthest <= wall.radius * wall.radius) return "";
-  return "the wall of fix " + wall.wall + (mesh ? " (mesh " + wall.id + ")" : " (cylinder)") +
-         " stands inside the fluid's domain, and the fluid blows through it: say " + line +
-         " before the first run, and it is solid for the fluid as well";
-}
-
-/// What the drag of a bed that ends somewhere in a particle cell falls short by, of its pressure drop: c D/H, D the
-/// particle cell along gravity, H the height of the particles settled to eps = 0.4. c: means over places of the end, in
-/// the study bed_end (cases/studies). 0: no bed to speak of.
-static double short_at_bed_end(const Settings& s, const FineGrid& grid, const SceneFacts& facts, double* height) {
-  int along = 0;
-  for (int d = 1; d < 3; ++d)
-    if (std::abs(facts.gravity[d]) > std::abs(facts.gravity[along])) along = d;
-  if (facts.gravity[along] == 0 || facts.particles == 0 || s.fine[along] == 1 || grid.axis[along].periodic()) return 0;
-  double section = 1;
-  for (int d = 0; d < 3; ++d)
-    if (d != along) section *= grid.axis[d].length();
-  if (facts.cut) section = facts.cut->open_volume / grid.axis[along].length();
-  *height = double(facts.particles) * kPi / 6 * facts.d_mean * facts.d_mean * facts.d_mean / (0.6 * section);
-  const double D = grid.axis[along].length() / s.fine[along] * s.ratio[along];
-  return (s.deposit == Deposit::kTrilinear ? 0.40 : 0.27) * D / *height;
-}
-
-std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid, const SceneFacts& facts,
-                                        const SceneNumbers& n, bool every_auto) {
-  std::vector<std::string> w;
-  const double d = facts.d_max;
-  const DragLaw* const law = find_drag_law(s.drag);
-  if (sizes_differ(facts) && law && !law->for_mixtures)
-    w.push_back("diameters from " + brief(facts.d_min) + " to " + brief(facts.d_max) + " m, and the drag law " +
-                s.drag +
-                " knows one size: it takes each particle for one among its like; for mixtures there is 'drag " +
-                mixture_law_names() + "'");
-  double height = 0;
-  const double missing = short_at_bed_end(s, grid, facts, &height);
-  if (missing > 0.05)
-    w.push_back("a bed of " + brief(height) + " m holds few particle cells: where it ends, drag falls short by about " +
-                brief(100 * missing) + " % of its pressure drop; lower ratio along gravity" +
-                (s.deposit == Deposit::kTrilinear ? ", or 'method sharp'" : ""));
-  if (d > 0 && below(n.h_coarse, 2 * d) && (s.deposit == Deposit::kCentroid || s.deposit == Deposit::kTrilinear))
-    w.push_back("the smallest particle cell is " + brief(n.h_coarse / d) +
-                " particle diameters, below 2, so that the void fraction is rough: raise ratio, or 'deposit exact'");
-  for (int i = 0; i < 3; ++i)
-    if (d > 0 && s.fine[i] == 1 && below(grid.axis[i].length(), 2 * d) && s.deposit == Deposit::kCentroid)
-      w.push_back(std::string("the domain is ") + brief(grid.axis[i].length() / d) + " particle diameters deep in " +
-                  "xyz"[i] + ": a void fraction over so thin a cell is an assumption");
-  if (facts.contact_time > 0 && below(facts.contact_time, 10 * facts.dem_dt))
-    w.push_back("a contact lasts " + brief(facts.contact_time / facts.dem_dt) +
-                " DEM steps, fewer than 10: lower timestep below " + brief(facts.contact_time / 20) +
-                " s, or soften the contact");
-  const double interval = s.every * facts.dem_dt;
-  if (n.tau > 0 && below(0.5 * n.tau, interval) && s.hold_flux == Choice::kOff)
-    w.push_back("the coupling interval is " + brief(interval / n.tau) +
-                " response times of the bed with 'hold off': lower every below " +
-                std::to_string(std::max(1, int(0.5 * n.tau / facts.dem_dt))) + ", or 'hold auto'");
-  if (below(5, n.cfl))
-    w.push_back("the fluid crosses " + brief(n.cfl) + " fine cells in one coupling interval: lower every towards " +
-                std::to_string(std::max(1, int(s.every / n.cfl))) +
-                (s.every / n.cfl < 1 ? ", and timestep to " + brief(facts.dem_dt * s.every / n.cfl) + " s" : ""));
-  if (n.U_varies && s.every > 0)
-    w.push_back("an inlet follows a variable: velocity U and all that follows from it (Re, St, CFL" +
-                std::string(every_auto ? ", every auto" : "") +
-                ") hold for its value now; look at f_ID[3] for the run's Courant number");
-  if (s.deposit == Deposit::kCentroid && !s.one_way && !facts.still && n.U > 0 && below(n.U, n.noise))
-    w.push_back(
-        "with 'deposit centroid' a particle that changes its particle cell replaces fluid within one coupling "
-        "interval, at " +
-        brief(n.noise) + " m/s over the cell's side (V_p/(interval area)) where the flow has " + brief(n.U) +
-        " m/s, and the pressure is noisy, in a liquid more than useful: choose 'deposit trilinear' or 'exact', "
-        "or raise every or ratio");
-  for (int side = 0; side < 6; ++side) {
-    const std::vector<PatchSize> sizes = patch_sizes(s.fluid, side, grid);
-    for (std::size_t c = 1; c < sizes.size(); ++c) {
-      const double more = sizes[c].drawn > 0 ? sizes[c].faces / sizes[c].drawn - 1 : 0.0;
-      if (std::abs(more) > kPatchError)
-        w.push_back(
-            "patch " + s.fluid.side[side][c].name + " of " + kSideNames[side] + " takes whole fine faces, " +
-            brief(sizes[c].faces) + " m2 where " + brief(sizes[c].drawn) + " m2 are drawn (" + (more > 0 ? "+" : "") +
-            brief(100 * more) +
-            " %), and an inlet's flow is as wrong: move its edges onto sides of fine cells, choose 'fine' so that "
-            "they lie there, or take more cells across it");
-    }
-  }
-  for (const WallFacts& wall : facts.walls)
-    if (const std::string sentence = blown_through(wall, s, n.h_min); !sentence.empty()) w.push_back(sentence);
-  if (facts.cut && facts.cut->narrowest > 0 && below(facts.cut->narrowest, 4))
-    w.push_back("the narrowest opening between walls is " + brief(facts.cut->narrowest) +
-                " cells wide, below 4: its flow is wrong by some per cent to tens of them; take finer cells by 'fine'");
-  for (std::size_t b = 0; facts.cut && b < facts.cut->bodies.size(); ++b)
-    if (const CutReport::OfBody& body = facts.cut->bodies[b]; body.cells == 0 && body.area == 0 && body.volume == 0)
-      w.push_back("body 'solid " + body.name + "' meets no cell of the fluid's domain: see its place and its size");
-  if (facts.nodes && facts.nodes->split > 0)
-    w.push_back(
-        "a wall parts " + std::to_string(facts.nodes->split) +
-        " particle cells in two, and the void fraction smears across it: lower ratio, or move the wall onto sides "
-        "of particle cells");
-  if (facts.equal_kn > 0)
-    w.push_back("model hooke raises a number to a power at every contact: hooke/stiffness with kn " +
-                brief(facts.equal_kn) +
-                " N/m has the same contact time between these particles, and runs some three times as fast");
-  if (s.one_way) w.push_back("one-way: the particles feel the fluid, the fluid does not feel them");
-  return w;
-}
 
 std::vector<std::string> scene_savings(const Settings& s, const SceneFacts& facts) {
   std::vector<std::string> text;
@@ -271,7 +53,7 @@ std::vector<std::string> scene_savings(const Settings& s, const SceneFacts& fact
           "no particle moves: contacts and drag only at couplings and outputs, void fraction once, no kicks");
     if (s.hold_flux == Choice::kOff) text.push_back("the flux between couplings: hold off");
   }
-  if (s.formulation == Formulation::kB && !sizes_differ(facts))
+  if (s.formulation == Formulation::kB && !facts.sizes_differ())
     text.push_back("forces of grad p on particles: formulation B with one size, their share is in the drag over eps");
   if (facts.d_min == facts.d_max && facts.d_max > 0) text.push_back("mean diameters: all particles are of one size");
   if (s.fluid.convection == Convection::kNone) text.push_back("convection: none");
@@ -329,7 +111,7 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
   line("modelled", "volume-averaged flow, " + std::to_string(components) + " velocity components, formulation " +
                        (s.formulation == Formulation::kA ? "A" : "B") + ", drag " + s.drag +
                        (s.formulation == Formulation::kA ? ", pressure gradient force"
-                        : sizes_differ(facts) && !s.one_way
+                        : facts.sizes_differ() && !s.one_way
                             ? ", and V_p times the pressure gradient that the drag makes, as sizes differ"
                             : "") +
                        models_on + (s.one_way ? ", one-way" : ""));
@@ -378,10 +160,10 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
   if (facts.others > 0)
     line("outside the group",
          std::to_string(facts.others) + " particles that the fluid doesn't see: no volume, no drag");
-  double bed_height = 0;
-  if (const double missing = short_at_bed_end(s, grid, facts, &bed_height))
-    line("bed's end", "a settled bed of " + brief(bed_height) + " m: drag short by about " + brief(100 * missing) +
-                          " % of its pressure drop");
+  const SettledBed bed = settled_bed(s, grid, facts);
+  if (const double missing = short_at_end(bed, s.deposit))
+    line("bed's end", "a settled bed of " + brief(bed.height) + " m: drag short by " + percent_short(missing) +
+                          " of its pressure drop");
   line("gravity", three(facts.gravity) + " m/s2" +
                       (facts.weights_differ ? " on average: not all particles have the same" : "") +
                       (facts.gravity_varies ? ", and what follows a variable" : ""));
@@ -391,7 +173,12 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
                            (n.U_varies ? from_Umf ? " (an inlet's variable is 0 now)" : " now (variable)" : ""));
   else if (n.U_varies)
     line("velocity U", "unknown: an inlet's variable is 0 now");
-  if (n.Umf > 0) line("U_mf", brief(n.Umf) + " m/s (Ergun, eps 0.4), U/U_mf " + brief(n.U / n.Umf));
+  if (n.Umf > 0)
+    line("U_mf", brief(n.Umf) + " m/s (Ergun, eps 0.4)" +
+                     (n.U_bed > 0 ? "; all inlets over the bed's mean section: U_s " + brief(n.U_bed) +
+                                        " m/s, U_s/U_mf " + brief(n.U_bed / n.Umf)
+                      : from_Umf ? ""
+                                 : ", U/U_mf " + brief(n.U / n.Umf)));
   if (n.Re > 0) line("Re = rho U d/mu", brief(n.Re));
   if (n.Stokes > 0) line("St = rho_p U d/9mu", brief(n.Stokes));
   line("DEM step", brief(facts.dem_dt) + " s" +

@@ -218,6 +218,7 @@ TEST(CutGrid, AVesselThatTouchesTheSides) {
     EXPECT_NEAR(s.open_area(2, 7), area[q], 2e-4) << q;
     EXPECT_NEAR(s.report.open_volume, area[q] * 0.7, 2e-4) << q;
     EXPECT_NEAR(s.report.narrowest, 19.5, 0.6) << q;  // off the middle a little less
+    for (double layer : s.report.open_layers[2]) EXPECT_NEAR(layer, area[q] * 0.05, 2e-5) << q;
   }
   for (int q = 1; q < 4; ++q)
     for (std::size_t m = 0; m < theta[0].size(); ++m) ASSERT_NEAR(theta[q][m], theta[0][m], q == 1 ? 1e-12 : 3e-3) << q;

@@ -182,6 +182,29 @@ TEST(SceneReportText, ABedThatHoldsFewParticleCells) {
   EXPECT_EQ(report().find("bed's end"), std::string::npos);
 }
 
+// A vessel of half the section in its lower 20 mm: 9240 spheres (13.93 cm3 settled) fill 4 cm3 there and 24.83 mm above it.
+// A nozzle of 1/16 of the floor at 8 m/s over the bed's mean section of 13.93 cm3/44.83 mm.
+TEST(SceneNumbersOf, ABedInAVessel) {
+  Settings s = scene();
+  s.fluid.side[kZlo][0].velocity = {0, 0, 8};
+  SceneFacts f = facts();
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  EXPECT_NEAR(scene_numbers(s, grid, f).U_bed, 8, 1e-12);
+  f.cut.emplace();
+  f.cut->open_layers[2].assign(200, 0.4e-6);
+  for (int k = 0; k < 20; ++k) f.cut->open_layers[2][k] = 0.2e-6;
+  f.open_area[kZlo] = {0.25e-4};
+  const double bulk = 9240 * M_PI / 6 * 1.728e-9 / 0.6;
+  const SettledBed bed = settled_bed(s, grid, f);
+  EXPECT_NEAR(bed.height, 0.02 + (bulk - 4e-6) / 0.4e-3, 1e-12);
+  EXPECT_NEAR(bed.cells, bed.height / 0.004, 1e-9);
+  EXPECT_NEAR(scene_numbers(s, grid, f).U_bed, 8 * 0.25e-4 / (bulk / bed.height), 1e-12);
+  f.gravity = {0, 0, 9.81};  // upside down
+  EXPECT_NEAR(settled_bed(s, grid, f).height, bulk / 0.4e-3, 1e-12);
+  f.particles = 10000000;
+  EXPECT_NEAR(settled_bed(s, grid, f).height, 0.2, 1e-12);
+}
+
 TEST(SceneWarnings, NoneAtTheLimitItself) {
   Settings s = scene();
   SceneFacts f = facts();
@@ -254,8 +277,9 @@ TEST(SceneReportText, SkinFarFromTheBest) {
 TEST(SceneReportText, SaysGridsSidesAndDefaults) {
   const Settings s = scene();
   const std::string r = report_of(s, facts());
-  for (const char* part : {"40 x 10 x 200", "10 x 2 x 50", "zlo", "inlet", "pressure 0 Pa",
-                           "slip (not given in the script)", "U/U_mf", "Re = ", "9240", "not modelled", "20 steps"})
+  for (const char* part :
+       {"40 x 10 x 200", "10 x 2 x 50", "zlo", "inlet", "pressure 0 Pa", "slip (not given in the script)",
+        "U_s/U_mf 2.514", "Re = ", "9240", "not modelled", "20 steps"})
     EXPECT_NE(r.find(part), std::string::npos) << part << "\n" << r;
 }
 
@@ -291,6 +315,7 @@ TEST(ProgressLine, ComesWhenDue) {
   EXPECT_EQ(p.line_within(129, 300, 0.25, 5, 0.26), "");
   EXPECT_EQ(p.line_within(131, 300, 0.25, 20, 0.26),
             "twogrid: t = 0.26 s, within a coupling: 300 fluid steps are 25.0 % of its interval, 1 min 00 s to go");
+  EXPECT_EQ(p.line_within(145, 301, 0.5, 4, 0.27), "");  // of a short one nothing is told
   EXPECT_EQ(duration(3725), "1 h 02 min");
   EXPECT_EQ(duration(12.34), "12.3 s");
 }
