@@ -33,7 +33,7 @@ def tubes(bed, verdict, short):
     """The tubes' volume on the grid, and no grain in a tube."""
     closed, exact = np.sum((1 - bed.theta) * bed.volume), len(TUBES) * np.pi * R**2 * DEPTH
     bound = 0.06 if short else 0.015
-    verdict(abs(closed / exact - 1) <= bound, f"volume of the tubes on the grid: {100 * (closed / exact - 1):+.2f} % of the exact one (wanted {100 * bound:.0f} %)")
+    verdict(abs(closed / exact - 1) <= bound, f"volume of the tubes on the grid: {100 * (closed / exact - 1):+.2f} % of the exact one (wanted {100 * bound:.1f} %)")
     p = bed.grains("position")
     nearest = min(np.hypot(p[:, 0] - x, p[:, 2] - z).min() for x, z in TUBES) - R
     verdict(nearest >= 0.4 * D_P, f"the grain nearest to a tube keeps its centre {1e3 * nearest:.3f} mm off its surface (wanted: at least {0.4e3 * D_P:.2f}, soft contacts)")
