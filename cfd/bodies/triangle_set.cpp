@@ -207,4 +207,23 @@ bool TriangleSet::nearest_within(const Vec3& x, double reach, double& square, Ve
   return found;
 }
 
+std::vector<Triangle> without_lids(const std::vector<Triangle>& triangles, const FineGrid& grid) {
+  constexpr double kIn = 1e-4;  // cells: a surface so near lies in the plane (files hold seven digits)
+  std::vector<Triangle> left;
+  for (const Triangle& t : triangles) {
+    bool lid = false;
+    for (int d = 0; d < 3; ++d) {
+      const Axis& axis = grid.axis[d];
+      if (axis.periodic()) continue;
+      const auto in = [&](double plane, double width) {
+        return std::abs(t[0][d] - plane) < kIn * width && std::abs(t[1][d] - plane) < kIn * width &&
+               std::abs(t[2][d] - plane) < kIn * width;
+      };
+      lid = lid || in(axis.lo(), axis.width(0)) || in(axis.hi(), axis.width(axis.n() - 1));
+    }
+    if (!lid) left.push_back(t);
+  }
+  return left.empty() ? triangles : left;
+}
+
 }  // namespace twogrid

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cfd/bodies/solid_shape.h"
+#include "cfd/grid/grid.h"
 
 namespace twogrid {
 
@@ -43,5 +44,9 @@ class TriangleSet : public SolidShape {
   Vec3 bin_lo_{0, 0, 0}, bin_width_{1, 1, 1};
   std::vector<int> start_, member_;  // triangles of bin b: member_[start_[b]] ... member_[start_[b + 1] - 1]
 };
+
+/// The triangles but for those in the plane of a side of the domain that isn't periodic (lids of a vessel at its inlet and
+/// outlet): there the side's condition holds. All of them where nothing would be left.
+std::vector<Triangle> without_lids(const std::vector<Triangle>& triangles, const FineGrid& grid);
 
 }  // namespace twogrid

@@ -6,6 +6,9 @@
 #include <cmath>
 
 namespace twogrid {
+
+using LAMMPS_NS::Region;
+
 namespace {
 
 constexpr int kSamples = 4;     // of an edge
@@ -39,8 +42,44 @@ void across(const Vec3& n, Vec3& e, Vec3& f) {
 
 }  // namespace
 
+RegionShape::RegionShape(Region& region, const FineGrid& grid) : region_(region) {
+  Vec3 from, to;
+  RegionShape::bounds(from, to);
+  for (int d = 0; d < 3; ++d) {
+    const Axis& a = grid.axis[d];
+    const double in = 1e-9 * a.length();
+    const bool sticks_out = from[d] <= to[d] && (from[d] < a.lo() - in || to[d] > a.hi() + in);
+    sides_[d] = {a.lo(), a.hi(), in, a.periodic() && !sticks_out, false, false};
+    if (a.periodic()) continue;
+    sides_[d].ends_low = ends_at(d, a.lo(), in, grid), sides_[d].ends_high = ends_at(d, a.hi(), -in, grid);
+  }
+}
+
+/// Whether somewhere the region begins or ends in a plane across d.
+bool RegionShape::ends_at(int d, double plane, double inwards, const FineGrid& grid) const {
+  constexpr int kLooks = 48;  // in each direction
+  const int e = (d + 1) % 3, f = (d + 2) % 3;
+  for (int i = 0; i < kLooks; ++i)
+    for (int j = 0; j < kLooks; ++j) {
+      Vec3 in, out;
+      in[d] = plane + inwards, out[d] = plane - inwards;
+      in[e] = out[e] = grid.axis[e].lo() + (i + 0.5) / kLooks * grid.axis[e].length();
+      in[f] = out[f] = grid.axis[f].lo() + (j + 0.5) / kLooks * grid.axis[f].length();
+      if (region_.match(in[0], in[1], in[2]) != region_.match(out[0], out[1], out[2])) return true;
+    }
+  return false;
+}
+
 bool RegionShape::solid(const Vec3& x) const {
-  return region_.match(x[0], x[1], x[2]) != 0;
+  double at[3];
+  for (int d = 0; d < 3; ++d) {
+    const Sides& s = sides_[d];
+    at[d] = x[d];
+    if (s.wraps) at[d] -= std::floor((at[d] - s.lo) / (s.hi - s.lo)) * (s.hi - s.lo);
+    if (s.wraps || s.ends_low) at[d] = std::max(at[d], s.lo + s.inwards);
+    if (s.wraps || s.ends_high) at[d] = std::min(at[d], s.hi - s.inwards);
+  }
+  return region_.match(at[0], at[1], at[2]) != 0;
 }
 
 /// Where from x along the direction, between two distances, the region first begins or ends; kNowhere if it doesn't.

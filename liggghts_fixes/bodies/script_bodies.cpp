@@ -133,8 +133,8 @@ double widest_cell(const FineGrid& grid) {
 }
 
 /// checkpoints: the run writes them by itself.
-Body mesh_body(LAMMPS& lammps, const BodyNames& names, const std::vector<FixMeshSurface*>& meshes, bool checkpoints,
-               std::uint64_t* print) {
+Body mesh_body(LAMMPS& lammps, const BodyNames& names, const std::vector<FixMeshSurface*>& meshes, const FineGrid& grid,
+               bool checkpoints, std::uint64_t* print) {
   std::vector<Triangle> all;
   std::vector<SurfaceMotion> motions;
   bool turned = false;
@@ -173,11 +173,11 @@ Body mesh_body(LAMMPS& lammps, const BodyNames& names, const std::vector<FixMesh
     refuse(solid_keyword(names), "a mesh without triangles", "a mesh/surface with at least one in the fluid's domain");
   add(*print, &names.sheet, sizeof names.sheet);
   if (motion.any()) add(*print, &motion, sizeof motion);
-  return {names.name, std::make_shared<TriangleSet>(std::move(all)), names.slip, names.sheet, motion};
+  return {names.name, std::make_shared<TriangleSet>(without_lids(all, grid)), names.slip, names.sheet, motion};
 }
 
 Body region_body(LAMMPS& lammps, const BodyNames& names, const FineGrid& grid, std::uint64_t* print) {
-  auto shape = std::make_shared<RegionShape>(region_of(lammps, names));
+  auto shape = std::make_shared<RegionShape>(region_of(lammps, names), grid);
   check_periodic(names, *shape, grid);
   constexpr int kLooks = 48;  // in each direction
   std::vector<unsigned char> seen;
@@ -203,10 +203,11 @@ Body ScriptBodies::make(const BodyNames& names, const FineGrid& grid, std::uint6
   *print = 14695981039346656037u;
   if (names.kind == BodyNames::Kind::kRegion) return region_body(lammps_, names, grid, print);
   const bool kept = script_.checkpoints.by_itself();
-  if (names.kind == BodyNames::Kind::kMesh) return mesh_body(lammps_, names, {&mesh_of(lammps_, names)}, kept, print);
+  if (names.kind == BodyNames::Kind::kMesh)
+    return mesh_body(lammps_, names, {&mesh_of(lammps_, names)}, grid, kept, print);
   FixWallGran& wall = wall_of(lammps_, names);
   if (wall.is_mesh_wall())
-    return mesh_body(lammps_, names, {wall.mesh_list(), wall.mesh_list() + wall.n_meshes()}, kept, print);
+    return mesh_body(lammps_, names, {wall.mesh_list(), wall.mesh_list() + wall.n_meshes()}, grid, kept, print);
   const Primitive primitive = primitive_of(wall);
   add(*print, &primitive.axis, sizeof primitive.axis), add(*print, primitive.value.data(), sizeof primitive.value);
   const SurfaceMotion motion = shear_motion(wall, primitive).motion;
