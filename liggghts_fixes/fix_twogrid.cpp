@@ -176,6 +176,7 @@ void FixTwogrid::build() {
   bodies_.resolve(s.fluid, grid);
   SceneFacts facts = scene_facts(*lmp, groupbit);
   facts.still = motion_.still;
+  if (facts.d_max == 0) atom->sortfreq = 0;  // without particles LIGGGHTS ends, for want of a width of its bins
   if (!script_.checkpoint_read.empty()) {
     if (!beginning_) read_beginning();
     check_scene(script_.checkpoint_read, *beginning_, s, grid);

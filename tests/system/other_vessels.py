@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""Vessels that are no cylinder, from the script on: the pressure drop of a packed cone; gas that stays at rest in a cone, in a U-bend and
+"""Vessels that are no cylinder, from the script on: pipes that end in the domain's sides; the pressure drop of a packed cone; gas that stays at rest in a cone, in a U-bend and
 over a tube bank, beds with a sharp surface in them; a draft tube without thickness.
 
 What would pass falsely without it: drag or mass by the area of whole cells where the section changes; a wall that pumps, or a bed's surface
-beside one, where pressure gradients and open shares are not taken at the same places; a tube that solids are smeared through.
+beside one, where pressure gradients and open shares are not taken at the same places; a tube that solids are smeared through; the lids of
+a mesh, or the ends of a region, in the planes of inlet, outlet and periodic sides, that rub on the gas or stop it.
 
 References: Ergun (1952) summed over the cone's own sections, U(z) = Q/A(z) (the slope of the wall, 3.2 degrees, makes 0.2 % of it); rest. The
 cone's cells are so small, 20 to 32 a diameter, because a volume that is 0.1 % too small makes the drop 0.5 % too large.
@@ -12,7 +13,7 @@ import h5py
 import numpy as np
 
 from bodies import last, spread, stl
-from harness import Checks, Run, arguments, data_file, head_with_particles
+from harness import Checks, Run, arguments, data_file, head, head_with_particles
 
 MU, RHO, D = 1.8e-5, 1.2, 0.7e-3
 WALL = """fix cad all mesh/surface file wall.stl type 1
@@ -55,6 +56,44 @@ def packed_cone(c, executable):
         c.below(f"cone: pressure drop {drops[-1]:.3f} Pa against {ergun:.3f} of Ergun over its sections, relative", abs(drops[-1] / ergun - 1), 0.01)
         c.below("cone: solids ledger", last(run, "f_gas[6]"), 1e-13)
     c.below("cone: moved on the grid, relative", abs(drops[1] / drops[0] - 1), 0.01)
+
+
+def ends_in_the_sides(c, executable):
+    R, wide, high, U, mu = 8e-3, 19e-3, 24e-3, 1.0, 2e-3
+    angle = 2 * np.pi * np.arange(96) / 96
+    ring = np.stack([R * np.cos(angle), R * np.sin(angle)], axis=1)
+
+    def lids():
+        out = [((0, 0, z), (*ring[i], z), (*ring[i - 1], z)) for z in (0.0, high) for i in range(96)]
+        pipe = stl([(R, 0.0), (R, high)], 2, (0.0, 0.0), 96)
+        return pipe[:pipe.rindex("endsolid")] + stl_of(out).split("\n", 1)[1]
+
+    def gas(boundary, lines, columns, files):
+        script = head(f"{-0.5 * wide!r} {0.5 * wide!r} {-0.5 * wide!r} {0.5 * wide!r} 0 {high!r}", 1e-3, boundary=boundary) + f"""
+fix felt all wall/gran model hooke/stiffness tangential history primitive type 1 zcylinder {R!r} 0 0 absolute_damping on
+fix gas all twogrid fine 19 19 12 density {RHO} viscosity {mu!r} every 5
+{lines}
+thermo_style custom step {columns}
+thermo_modify format float %.17g norm no
+thermo 60
+run 60
+"""
+        return Run(executable, script, 1, ("-fluid_pressure_rtol", "1e-9"), files=files)
+
+    flow = f"fix_modify gas boundary zlo inlet 0 0 {U!r} boundary zhi pressure 0"
+    drops = {}
+    for name, lines, files in (("region without ends", f"region pipe cylinder z 0 0 {R!r} INF INF side out units box\nfix_modify gas solid pipe region pipe", {}),
+                               ("region that ends at the sides", f"region pipe cylinder z 0 0 {R!r} 0 {high!r} side out units box\nfix_modify gas solid pipe region pipe", {}),
+                               ("open mesh", "fix cad all mesh/surface file wall.stl type 1\nfix_modify gas solid pipe mesh cad fluid_at 0 0 0.01", {"wall.stl": stl([(R, 0.0), (R, high)], 2, (0.0, 0.0), 96)}),
+                               ("mesh with lids", "fix cad all mesh/surface file wall.stl type 1\nfix_modify gas solid pipe mesh cad fluid_at 0 0 0.01", {"wall.stl": lids()})):
+        drops[name] = last(gas("f f f", f"{lines}\n{flow}", "f_gas[4]", files), "f_gas[4]")
+    c.note(f"empty pipe: pressure drop {drops['region without ends']:.4f} Pa")
+    c.below("region that ends at the sides against one that goes on: drop, relative", abs(drops["region that ends at the sides"] / drops["region without ends"] - 1), 1e-6)
+    c.below("mesh with lids in the sides against one without: drop, relative", abs(drops["mesh with lids"] / drops["open mesh"] - 1), 1e-6)
+    # Poiseuille's: 8 pi mu U L, once the flow has grown (R^2/nu is 0.04 s; the slowest part decays in 7 ms).
+    for ends in ("INF INF", f"0 {high!r}"):
+        force = last(gas("f f p", f"region pipe cylinder z 0 0 {R!r} {ends} side out units box\nfix_modify gas solid pipe region pipe flow_rate z {U!r}", "f_gas[19]", {}), "f_gas[19]")
+        c.below(f"periodic pipe, region {ends}: force {force:.5e} N against Poiseuille's, relative", abs(force / (8 * np.pi * mu * U * high) - 1), 0.02)
 
 
 def tube(path, radius, facets=32):
@@ -169,6 +208,7 @@ def draft_tube(c, executable, ranks):
 def main():
     executable, ranks = arguments()
     c = Checks("cone, U-bend and tube bank")
+    ends_in_the_sides(c, executable)
     packed_cone(c, executable)
     at_rest(c, executable, ranks[-1])
     draft_tube(c, executable, ranks)
