@@ -1,5 +1,5 @@
 // The table of keywords. All that is known of a keyword stands in its row: the parser, the scene report, the record in
-// the output file and `twogrid -keywords` read it there, and by the README's tables, which a test holds against it,
+// the output file and `twogrid -keywords` read it there, and by the tables of README.md beside it, which a test holds against it,
 // cases/sweep.py. Rows: fix_keywords.cpp, fix_modify_keywords.cpp, and those of models in models/.
 #pragma once
 

@@ -1,7 +1,7 @@
 // Models: parts of the physics that a script switches on, `fix_modify ID model NAME keyword value ...`. A model's
 // equations, its state and its step stand in a file of its own in cfd/ (FluidModel) or coupling/ (ExchangeModel), with
 // its numbers as a member of FluidSettings or Settings; what a script and a report say of it, and how it is made, in a
-// file of its own in models/. To add one: those two files, that member, its line in models.cpp, and the README.
+// file of its own in models/. To add one: those two files, that member, its line in models.cpp, and README.md beside it.
 #pragma once
 
 #include <functional>

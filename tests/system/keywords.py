@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""twogrid -keywords, the README's tables, cases/sweep.py and the record in the output file say the same of the keywords.
+"""twogrid -keywords, the keyword page's tables, cases/sweep.py and the record in the output file say the same of the keywords.
 
-Without this test a keyword that was added, renamed or given another default would leave a README that is wrong and a sweep
+Without this test a keyword that was added, renamed or given another default would leave a page that is wrong and a sweep
 that doesn't know it; the record of a file could lack a setting, or hold the default of one that the script has changed.
 """
 import os
@@ -42,22 +42,22 @@ OLD_NAMES = ("program", "version", "commit", "date", "command_line", "ranks", "b
 
 def main():
     executable, ranks = arguments()
-    c = Checks("keywords: page, README, sweep, record")
+    c = Checks("keywords: table, page, sweep, record")
     done = subprocess.run([*MPIRUN, "-np", "2", executable, "-keywords"], stdout=subprocess.PIPE, text=True, timeout=60)
     page = done.stdout.strip().split("\n")
     c.true(f"two ranks print the page once and end with 0: {len(page)} lines", done.returncode == 0 and page.count(page[0]) == 1)
-    with open(os.path.join(ROOT, "README.md")) as f:
+    with open(os.path.join(ROOT, "liggghts_fixes", "script", "README.md")) as f:
         readme = f.read().split("\n")
     rows = [line for line in page if line.startswith("|")]
     missing = [r for r in rows if r not in readme]
-    c.true(f"all {len(rows)} lines of its tables stand in the README" + "".join(f"\n     not there: {r}" for r in missing), not missing)
+    c.true(f"all {len(rows)} lines of its tables stand on the page" + "".join(f"\n     not there: {r}" for r in missing), not missing)
 
     sys.path.insert(0, os.path.join(ROOT, "cases"))
     from sweep_tools import keywords as tool
-    with open(os.path.join(ROOT, "README.md")) as f:
+    with open(os.path.join(ROOT, "liggghts_fixes", "script", "README.md")) as f:
         tables, told = tool.tables_of(f.read()), tool.tables_of(done.stdout)
     for name in ("fix", "fix_modify", "method"):
-        c.true(f"README and page have the same {len(told[name])} rows of {name}, in order, no more", tables[name] == told[name])
+        c.true(f"program and page have the same {len(told[name])} rows of {name}, in order, no more", tables[name] == told[name])
     c.true("sweep.py knows them", tool.FIX_KEYS == set(told["fix"]) and tool.METHODS == told["method"] and
            tool.MODIFY_KEYS == set(told["fix_modify"]) - {"boundary", "output", "model"})
 
