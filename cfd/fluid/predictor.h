@@ -86,7 +86,7 @@ class Predictor {
     double push;   // conductance u_w over theta_f (m2/s)
   };
   std::array<std::vector<MovingWall>, 3> moving_walls_;
-  FaceField<FineGrid> friction_;                  // mu K' and slivers' drag, only where bodies are
+  FaceField<FineGrid> friction_;  // mu K' and slivers' drag, only where bodies are
   std::vector<double> row_inertia_, row_made_;
   // Implicit viscosity; made when first needed.
   std::unique_ptr<ViscousSolver> viscous_solver_;

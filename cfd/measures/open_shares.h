@@ -106,7 +106,7 @@ class OpenShares {
     std::vector<std::vector<Vec3>> outlines;
     std::vector<OpenSpace::Beside> beside;
     FaceField<FineGrid> wall_velocity, drift;  // of size 0: 0
-    double volume = 0;  // of the whole domain's open part (m3)
+    double volume = 0;                         // of the whole domain's open part (m3)
   };
   /// own, faces: the rank's own cells and faces.
   OpenShares(const GridMeasures& measures, const Box& local, const Box& own, const std::array<Box, 3>& faces,

@@ -66,8 +66,8 @@ class ConvectionTerm {
     double here, there;           // areas that the two carry through, times the wall's share of the velocity (m3/s)
   };
   std::array<std::array<std::vector<MovingSide>, 3>, 3> moving_sides_;
-  std::vector<double> change_;                        // scratch: of a list of cut sides
-  std::array<std::vector<double>, 3> side_;           // scratch: fluxes through the sides of a row, two rows, two slabs
+  std::vector<double> change_;               // scratch: of a list of cut sides
+  std::array<std::vector<double>, 3> side_;  // scratch: fluxes through the sides of a row, two rows, two slabs
 };
 
 }  // namespace twogrid
