@@ -3,7 +3,7 @@ import os
 import re
 
 CASES = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-README = os.path.join(CASES, "..", "README.md")
+PAGE = os.path.join(CASES, "..", "liggghts_fixes", "script", "README.md")
 OTHER_KEYS = {"timestep", "kn", "ranks", "method"}
 NOT_CHOICES = {"boundary", "output", "model"}   # of fix_modify: they belong to the scene
 
@@ -13,7 +13,7 @@ class Wrong(Exception):
 
 
 def tables_of(page):
-    """First words of the rows of each table of `twogrid -keywords`, or of the README, which holds the same tables (a test
+    """First words of the rows of each table of `twogrid -keywords`, or of the page of keywords, which holds the same tables (a test
     compares them): keywords of fix, of fix_modify, names of methods."""
     found, name = {}, None
     for line in page.split("\n"):
@@ -31,10 +31,10 @@ def tables_of(page):
 
 def keywords():
     try:
-        with open(README) as f:
+        with open(PAGE) as f:
             tables = tables_of(f.read())
     except OSError as e:
-        raise SystemExit(f"sweep.py: {README} cannot be read ({e.strerror}); its tables hold the keywords")
+        raise SystemExit(f"sweep.py: {PAGE} cannot be read ({e.strerror}); its tables hold the keywords")
     return set(tables["fix"]), set(tables["fix_modify"]) - NOT_CHOICES, tables["method"]
 
 
