@@ -81,15 +81,9 @@ class WallStress::Feet {
   Feet(const FineGrid& grid, const std::vector<Body>& bodies) : grid_(grid), surfaces_(grid, bodies) {}
 
   bool slips(const Surfaces::Foot& foot) const { return surfaces_.bodies()[foot.body].slip; }
-  /// Motion of the surface as that of a rigid body, where the velocity of a face lies whose centre is `out` from its foot,
-  /// times `centre` (open_shares.h), m/s: less this, what the fit takes is at rest at the wall.
-  Vec3 wall_velocity(const Surfaces::Foot& foot, const Vec3& out, double centre) const {
-    const SurfaceMotion& motion = surfaces_.bodies()[foot.body].motion;
-    Vec3 there;
-    for (int d = 0; d < 3; ++d) there[d] = foot.point[d] + out[d] / centre;
-    Vec3 v = motion.at(there);
-    for (double& each : v) each *= centre;
-    return v;
+  /// Of the foot's body, at any place as a rigid body's, m/s.
+  Vec3 wall_velocity(const Surfaces::Foot& foot, const Vec3& x) const {
+    return surfaces_.bodies()[foot.body].motion.at(x);
   }
   /// Of a cell's centre (component -1) or a face's; beyond periodic sides not wrapped.
   Vec3 position(const Int3& x, int component) const {
@@ -256,7 +250,7 @@ void WallStress::fit_friction(const Place& place, const std::vector<Int3>& cells
     fit.add(weight_at(far2, 0.9),
             {n, n * s, n * t, n * n, n * s * s, n * s * t, n * t * t, n * n * s, n * n * t, n * n * n});
     found.push_back({m, open.centre(c, m)});
-    wall.push_back(feet.wall_velocity(foot, out, open.centre(c, m))[c]);
+    wall.push_back(feet.wall_velocity(foot, here)[c] - open.drift(c, m));
   }
   const std::vector<double> weights = fit.of_first();
   for (std::size_t q = 0; q < found.size(); ++q) {

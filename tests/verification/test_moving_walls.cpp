@@ -3,6 +3,7 @@
 // turning streamlines (39 % of it), or momentum that moving walls make would pass.
 #include <gtest/gtest.h>
 
+#include "cfd/bodies/wall_stress.h"
 #include "cfd/fluid/predictor.h"
 #include "cfd/grid/pi.h"
 #include "tests/verification/bodies.h"
@@ -114,6 +115,7 @@ namespace {
 /// 4 pi mu w r1^2 r2^2/(r2^2 - r1^2) a length.
 struct Couette {
   double error, torque, other, force;  // all relative
+  double facets[2];  // torques by the friction on facets (wall_stress.h): of the one that turns, of the other
 };
 Couette rotating_couette(int along, int N, bool outer, int salt) {
   const int e = (along + 1) % 3, f = (along + 2) % 3;
@@ -127,6 +129,7 @@ Couette rotating_couette(int along, int N, bool outer, int salt) {
   s.bodies[outer].motion.turning[along] = w, s.bodies[outer].motion.origin = centre;
   std::array<std::vector<double>, 3> nodes;
   nodes[e] = uniform(0, 1, N), nodes[f] = uniform(0, 1, N), nodes[along] = uniform(0, 1.0 / N, 1);
+  s.wall_stress = true;
   CfdBox box(nodes, {false, false, false}, s);
   for (int n = 0; n < 4; ++n) box.step(s.dt);
   double sum[2] = {0, 0};
@@ -145,13 +148,23 @@ Couette rotating_couette(int along, int N, bool outer, int salt) {
   Couette result{std::sqrt(box.sum(sum[0]) / box.sum(sum[1])) / speed,
                  -forces[outer].torque_about(centre)[along] / wanted - 1,
                  forces[!outer].torque_about(centre)[along] / wanted - 1,
-                 std::hypot(forces[outer].force()[e], forces[outer].force()[f]) * r1 / wanted};
+                 std::hypot(forces[outer].force()[e], forces[outer].force()[f]) * r1 / wanted,
+                 {0, 0}};
+  const WallStress& wall = *box.fluid->wall_stress();
+  for (std::size_t q = 0; q < wall.facets().size(); ++q) {
+    const WallFacet& facet = wall.facets()[q];
+    const Vec3 t = wall.friction(q);
+    result.facets[facet.body != outer] +=
+        facet.area / wanted * ((facet.centre[e] - centre[e]) * t[f] - (facet.centre[f] - centre[f]) * t[e]);
+  }
+  for (double& torque : result.facets) torque = box.sum(torque);
+  result.facets[0] = -result.facets[0] - 1, result.facets[1] -= 1;
   report(
       "%s cylinder turns along %d, %.1f cells in the gap, place %d: velocity %.2e, torque on it %+.2f %%, on the other "
       "%+.2f %%, "
-      "force %.1e\n",
+      "force %.1e; by facets %+.2f and %+.2f %%\n",
       outer ? "outer" : "inner", along, N * (r2 - r1), salt, result.error, 100 * result.torque, 100 * result.other,
-      result.force);
+      result.force, 100 * result.facets[0], 100 * result.facets[1]);
   return result;
 }
 
@@ -168,6 +181,7 @@ TEST(MovingWalls, RotatingCouette) {
           error[fine] += c.error * c.error;
           EXPECT_LT(std::abs(c.torque), kTorque[fine]);
           EXPECT_LT(std::abs(c.other), kTorque[fine]);
+          for (double by_facets : c.facets) EXPECT_LT(std::abs(by_facets), kTorque[fine]);
         }
       const double order = 0.25 * std::log2(error[0] / error[2]);
       report("order %.2f\n", order);
