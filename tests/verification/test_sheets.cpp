@@ -115,6 +115,7 @@ TEST(Sheets, InAChannel) {
         apart = std::max(apart, std::abs(w.friction(q)[along] / (0.5 * (high ? 1 - place : place)) - 1));
         (high ? above : below) += w.facets()[q].area;
       }
+      apart = box.largest(apart), above = box.sum(above), below = box.sum(below);
       report("  friction on its two sides, at most %.2f %% off; areas %.4f, %.4f\n", 100 * apart, above, below);
       EXPECT_LT(apart, 0.09);  // a sheet is right to half a cell
       EXPECT_NEAR(above, 1.0 / 16, 1e-12);
