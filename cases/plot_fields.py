@@ -234,8 +234,11 @@ def wall_profiles(file, steps=30):
         for ax, v in zip(axes, (values["friction"][:, 2], values["pressure"][:])):
             of = body == b
             whole = np.histogram(z[of], edges, weights=area[of])[0]
-            mean = np.histogram(z[of], edges, weights=(area * v)[of])[0] / np.where(whole > 0, whole, np.nan)
-            ax.plot(mean, centres(edges) * MM, marker=".", linewidth=1.2, label=name)
+            some = whole > 0
+            mean = np.histogram(z[of], edges, weights=(area * v)[of])[0][some] / whole[some]
+            ax.plot(mean, centres(edges)[some] * MM, marker=".", linewidth=1.2, label=name)
+    for ax in axes:
+        ax.locator_params(axis="x", nbins=5)
     axes[0].set_xlabel("friction on the wall, upwards / Pa")
     axes[1].set_xlabel("pressure on the wall / Pa")
     axes[0].set_ylabel("z / mm")
