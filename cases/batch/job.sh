@@ -27,6 +27,6 @@ set_up() {
 # What follows when the script is done.
 conclude() {
   [ -z "$finish" ] || exec "$finish" "$folder"
-  [ ! -f "$case/case.sh" ] || exec "$here/../run" "$case" $mode --out "$folder" --compare
+  [ ! -f "$case/case.sh" ] || exec "$cases/run" "$case" $mode --out "$folder" --compare
   exit 0
 }
