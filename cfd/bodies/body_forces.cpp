@@ -48,7 +48,8 @@ BodyForces::BodyForces(const FluidDomain& domain, const CutLinks* cut) : domain_
     for_each(domain.faces[c], [&](int i, int j, int k) {
       const std::size_t q = volume_[c].size();
       if (q < faces.size() && body_.index(i, j, k) == faces[q])
-        volume_[c].push_back(domain.measures.volume(c, i, j, k));
+        volume_[c].push_back(domain.measures.volume(c, i, j, k)),
+            wall_velocity_[c].push_back(open->wall_velocity(c, faces[q]));
     });
     if (cut) stress_to_[c] = bodies_near(c, cut->faces(c));
   }
@@ -181,7 +182,7 @@ void BodyForces::add(double share, const FluidState& state, const Property& mu, 
       double F = convection[c][q];
       if (friction && drag[c][q] != 0)
         F += drag[c][q] * state.i_f[c].data()[faces[q]] * volume_[c][q] *
-             (state.u[c].data()[faces[q]] - domain_.measures.open()->wall_velocity(c, faces[q]));
+             (state.u[c].data()[faces[q]] - wall_velocity_[c][q]);
       if (F != 0) force_[convection_to_[c][q].body].convection[c] += share * F;
       if (pulled && pull[c][q] != 0) add_friction(convection_to_[c][q], c, -share * pull[c][q]);
     }

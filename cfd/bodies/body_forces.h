@@ -78,9 +78,9 @@ class BodyForces {
 
   const FluidDomain& domain_;
   CellField<FineGrid> body_;  // of the surface in a cell; -1: none. Only while the lists are made, as wall_
-  std::array<CellField<FineGrid>, 3> wall_;    // a point of it
-  std::array<std::vector<double>, 3> volume_;  // of without_convection's faces (m3)
-  std::array<std::vector<Piece>, 3> pieces_;   // by component
+  std::array<CellField<FineGrid>, 3> wall_;                    // a point of it
+  std::array<std::vector<double>, 3> volume_, wall_velocity_;  // of without_convection's faces (m3, m/s)
+  std::array<std::vector<Piece>, 3> pieces_;                   // by component
   std::vector<Pressed> pressed_;
   std::vector<Wall> walls_;
   std::array<std::vector<Nearest>, 3> convection_to_, stress_to_;

@@ -124,6 +124,18 @@ def half_the_drag(c, name, out):
     c.true(f"half the drag: {'; '.join(lines) or done.stdout[-500:]}", done.returncode == 1 and len(lines) == 1 and re.search(r": 0\.[4-6]\d+ of what the law", lines[0]))
 
 
+def short_mode(name, least, *pictures):
+    """A whole test: the short mode of a case passes, with so many checks at least, draws, and says FAIL on half the drag."""
+    executable, ranks = arguments()
+    c = Checks(f"short run of {name}")
+    with tempfile.TemporaryDirectory() as out:
+        done = run_case(name, executable, ranks[-1], out)
+        c.true("run and comparison pass", done.returncode == 0 and done.stdout.count("PASS") >= least and "FAIL" not in done.stdout)
+        pictures_are_there(c, out, *pictures)
+        half_the_drag(c, name, out)
+    c.end()
+
+
 def pictures_are_there(c, out, *names):
     """Checks the pictures of a case. That in three dimensions is asked for only where what draws it is installed."""
     names = [n for n in names if n != "grains" or (shutil.which("xvfb-run") and os.path.isdir("/usr/lib/python3/dist-packages/vtkmodules"))]

@@ -8,26 +8,6 @@
 
 using namespace twogrid;
 
-namespace {
-
-/// A tube along y and a ball, in a gas that moves.
-FluidSettings tube_and_ball(Convection scheme, Choice implicit) {
-  FluidSettings s;
-  s.density = 1.2;
-  s.viscosity = 2e-3;
-  s.convection = scheme;
-  s.implicit_viscosity = implicit;
-  s.pressure_rtol = 1e-12;
-  s.dt = 2e-3;
-  for (auto& side : s.side) side = {condition(BoundaryKind::kSlip)};
-  s.bodies = {
-      body(std::make_shared<CylinderShape>(Vec3{0.31, 0, 0.36}, Vec3{0, 1, 0}, 0.13, FluidIs::kOutside), "tube"),
-      body(std::make_shared<SphereShape>(Vec3{0.72, 0.52, 0.7}, 0.17, FluidIs::kOutside), "ball")};
-  return s;
-}
-
-}  // namespace
-
 /// A periodic box: the fluid's momentum changes by what drives it less what the bodies take, while eps moves in cut
 /// cells and exchange with particles goes on.
 TEST(BodiesBalance, MomentumOfAPeriodicBox) {

@@ -275,17 +275,13 @@ TEST(MovingWalls, Belt) {
 TEST(MovingWalls, MomentumOfAPeriodicBox) {
   for (Convection scheme : {Convection::kVanLeer, Convection::kCentral, Convection::kNone})
     for (Choice implicit : {Choice::kOff, Choice::kOn}) {
-      FluidSettings s;
-      s.density = 1.2;
-      s.viscosity = 2e-3;
-      s.convection = scheme;
-      s.implicit_viscosity = implicit;
-      s.pressure_rtol = 1e-12;
-      s.dt = 2e-3;
-      s.bodies = {
-          body(std::make_shared<CylinderShape>(Vec3{0.31, 0, 0.36}, Vec3{0, 1, 0}, 0.13, FluidIs::kOutside), "tube"),
-          body(std::make_shared<SphereShape>(Vec3{0.72, 0.52, 0.95}, 0.17, FluidIs::kOutside), "ball"),
-          body(std::make_shared<SphereShape>(Vec3{0.65, 0.5, 0.45}, 0.17, FluidIs::kOutside), "at rest")};
+      FluidSettings s = tube_and_ball(scheme, implicit);
+      for (auto& side : s.side) side.clear();
+      const auto ball = [](const Vec3& at, const char* name) {
+        return body(std::make_shared<SphereShape>(at, 0.17, FluidIs::kOutside), name);
+      };
+      s.bodies[1] = ball({0.72, 0.52, 0.95}, "ball");
+      s.bodies.push_back(ball({0.65, 0.5, 0.45}, "at rest"));
       s.bodies[0].motion.turning = {0, 20, 0}, s.bodies[0].motion.origin = {0.31, 0, 0.36};
       s.bodies[0].motion.velocity = {0, 0.5, 0};
       s.bodies[1].motion.turning = {5, -9, 7}, s.bodies[1].motion.origin = {0.72, 0.52, 0.95};
