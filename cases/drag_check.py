@@ -29,7 +29,20 @@ def beetstra(eps, Re):
     return 18 * eps * solid * F
 
 
-LAWS = {"ergun/wenyu": ergun_wenyu, "beetstra": beetstra}
+def wen_yu(eps, Re):
+    """beta d^2/mu of Wen & Yu (1966), with the drag of a lone sphere by Schiller & Naumann (1935)."""
+    C_D = np.where(Re < 1000, 24 / np.maximum(Re, 1e-12) * (1 + 0.15 * Re**0.687), 0.44)
+    return 0.75 * C_D * (1 - eps) * Re * eps**-2.65
+
+
+def di_felice(eps, Re):
+    """beta d^2/mu of Di Felice (1994), with the drag of a lone sphere by Dalla Valle (1948)."""
+    Re = np.maximum(Re, 1e-12)
+    chi = 3.7 - 0.65 * np.exp(-0.5 * (1.5 - np.log10(Re))**2)
+    return 0.75 * (0.63 + 4.8 / np.sqrt(Re))**2 * (1 - eps) * Re * eps**(1 - chi)
+
+
+LAWS = {"ergun/wenyu": ergun_wenyu, "beetstra": beetstra, "wenyu": wen_yu, "difelice": di_felice}
 
 
 def block_means(values, weights, ratio):
@@ -86,7 +99,8 @@ def by_law(file, name):
     slip = between(at, cells, u, read == "trilinear") - grains["velocity"][:]
     mu = float(record["viscosity"])
     Re = eps * float(record["density"]) * np.linalg.norm(slip, axis=1) * d / mu
-    b = law(eps, Re) * mu * np.pi / 6 * d / (1 - eps) / (eps if said("formulation") == "B" else 1)
+    # Where sizes differ, B has the pressure gradient's force apart from the drag, as A has.
+    b = law(eps, Re) * mu * np.pi / 6 * d / (1 - eps) / (eps if said("formulation") == "B" and np.ptp(d) <= 1e-6 * d.max() else 1)
     return np.sum((b * slip[:, 2])[far]), np.sum(grains["drag"][:, 2][far]), far.sum()
 
 

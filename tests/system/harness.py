@@ -126,13 +126,19 @@ def half_the_drag(c, name, out):
 
 def short_mode(name, least, *pictures):
     """A whole test: the short mode of a case passes, with so many checks at least, draws, and says FAIL on half the drag."""
+    short_modes((name, least, *pictures))
+
+
+def short_modes(*cases):
+    """That of several cases: name, least number of checks, pictures."""
     executable, ranks = arguments()
-    c = Checks(f"short run of {name}")
-    with tempfile.TemporaryDirectory() as out:
-        done = run_case(name, executable, ranks[-1], out)
-        c.true("run and comparison pass", done.returncode == 0 and done.stdout.count("PASS") >= least and "FAIL" not in done.stdout)
-        pictures_are_there(c, out, *pictures)
-        half_the_drag(c, name, out)
+    c = Checks("short runs of " + ", ".join(case[0] for case in cases))
+    for name, least, *pictures in cases:
+        with tempfile.TemporaryDirectory() as out:
+            done = run_case(name, executable, ranks[-1], out)
+            c.true(f"{name}: run and comparison pass", done.returncode == 0 and done.stdout.count("PASS") >= least and "FAIL" not in done.stdout)
+            pictures_are_there(c, out, *pictures)
+            half_the_drag(c, name, out)
     c.end()
 
 
