@@ -42,6 +42,7 @@ BodyForces::BodyForces(const FluidDomain& domain, const CutLinks* cut) : domain_
                                       {p.point[0] - centre[0], p.point[1] - centre[1], p.point[2] - centre[2]}});
   }
   list_cells(*open);
+  add_halves(*open);
   for (int c = 0; c < 3; ++c) {
     const std::vector<std::ptrdiff_t>& faces = open->without_convection(c);
     convection_to_[c] = bodies_near(c, faces);
@@ -102,6 +103,27 @@ void BodyForces::list_cells(const OpenShares& open) {
     walls_.push_back({open.theta().index(w.cell[0], w.cell[1], w.cell[2]), w.body,
                       cross(arm, {-w.area[0], -w.area[1], -w.area[2]})});
   }
+}
+
+/// Where the domain is periodic, for no mean gradient is imposed elsewhere.
+void BodyForces::add_halves(const OpenShares& open) {
+  halves_.resize(force_.size());
+  for_each(domain_.own, [&](int i, int j, int k) {
+    const double share = open.theta()(i, j, k);
+    if (!(share > 0)) return;
+    const double half = 0.5 * share * domain_.measures.cell_volume(i, j, k);
+    for (int d = 0; d < 3; ++d)
+      for (int up = 0; up < 2 && domain_.solved[d] && domain_.grid.axis[d].periodic(); ++up) {
+        Int3 face{i, j, k};
+        face[d] += up;
+        if (open.alpha(d, open.theta().index(face[0], face[1], face[2])) > 0) continue;
+        Vec3 point = force_[0].centre;
+        const int body = body_near(d, face, &point);
+        Halves& h = halves_[body];
+        h.volume[d] += half;
+        for (int e = 0; e < 3; ++e) h.arm[d][e] += half * (point[e] - force_[body].centre[e]);
+      }
+  });
 }
 
 /// Body whose surface is nearest to a face of the component, or (-1) to a cell, as the cells around hold points of it.
@@ -175,6 +197,13 @@ void BodyForces::add(double share, const FluidState& state, const Property& mu, 
     for (int d = 0; d < 3; ++d) force_[c.body].pressure[d] += share * state.p.data()[c.cell] * c.area[d];
   for (const Wall& w : walls_)
     for (int d = 0; d < 3; ++d) force_[w.body].torque[d] += share * state.p.data()[w.cell] * w.turning[d];
+  for (std::size_t b = 0; b < halves_.size(); ++b)
+    for (int c = 0; c < 3; ++c) {
+      const double G = share * state.imposed[c];
+      const int e = (c + 1) % 3, g = (c + 2) % 3;
+      force_[b].pressure[c] -= G * halves_[b].volume[c];
+      force_[b].torque[e] -= G * halves_[b].arm[c][g], force_[b].torque[g] += G * halves_[b].arm[c][e];
+    }
   for (int c = 0; c < 3; ++c) {
     const std::ptrdiff_t* faces = domain_.measures.open()->without_convection(c).data();
     const bool friction = drag[c].size() == convection[c].size(), pulled = pull[c].size() == convection[c].size();

@@ -3,12 +3,13 @@
 //   friction    of the pieces of the surfaces (open_shares.h), and the stress that faces beside them go without
 //               (momentum/cut_links.h)
 //   pressure    p A (s_below - s_above) of a cell, for each direction; s: theta_f of a solved face, 0 of a closed one, the
-//               open share of a side's
+//               open share of a side's; and what an imposed mean gradient G gives to the open halves of cells beside
+//               closed faces, which no face's momentum has: -G times their volume
 //   convection  momentum carried to closed faces and slivers, which have no convection of their own, and the drag that
 //               slivers have instead
-// The pressure is the dynamic one: hydrostatic buoyancy, and that of an imposed mean gradient G (-G times the body's
-// volume), are not in it. Torque: friction at the pieces, and at the surface's points nearest to
-// slivers and to faces whose links exceed; pressure on the surface's cells.
+// The pressure is the dynamic one: hydrostatic buoyancy, and that of G (-G times the body's volume), are not in it.
+// Torque: friction at the pieces, and at the surface's points nearest to slivers and to faces whose links exceed; pressure
+// on the surface's cells; G's at the points nearest to closed faces.
 #pragma once
 
 #include <array>
@@ -64,9 +65,15 @@ class BodyForces {
     int body;
     Vec3 turning;  // arm x area into the body (m3)
   };
+  /// Open halves of cells beside closed faces normal to x, y, z; of one body.
+  struct Halves {
+    Vec3 volume{0, 0, 0};       // m3
+    std::array<Vec3, 3> arm{};  // sums of volume times arm from the body's centre (m4)
+  };
   void find_centres(const OpenShares& open);
   void list_cells(const OpenShares& open);
   void find_walls(const OpenShares& open);
+  void add_halves(const OpenShares& open);
   int body_near(int component, const Int3& x, Vec3* point = nullptr) const;
   /// A body that has what a face of a list loses, and the arm of that force from the body's centre (m).
   struct Nearest {
@@ -83,6 +90,7 @@ class BodyForces {
   std::array<std::vector<Piece>, 3> pieces_;                   // by component
   std::vector<Pressed> pressed_;
   std::vector<Wall> walls_;
+  std::vector<Halves> halves_;  // by body; the rank's own cells'
   std::array<std::vector<Nearest>, 3> convection_to_, stress_to_;
   std::vector<BodyForce> force_;
 };
