@@ -9,28 +9,28 @@ import argparse
 import os
 import sys
 
+import h5py
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import leg_tables  # noqa: E402
 from verdict import G, Verdict, save_compared  # noqa: E402
 
-# As in.fluidisation_curve has it.
-RHO_F, MU, RHO_P, WIDTH = 1.2, 1.8e-5, 1000.0, 6.0e-3
+WIDTH = 6.0e-3  # as in.fluidisation_curve has it
 TOLERANCE = 0.05
 
 
 def read_beds(path):
-    """All dumped frames: list of (step, positions, radii)."""
+    """All dumped frames: list of (step, positions, radii); and the density of the spheres (kg/m3)."""
     with open(path) as f:
         lines = f.read().split("\n")
     frames, at = [], 0
     while at + 9 < len(lines):
         step, count = int(lines[at + 1]), int(lines[at + 3])
-        table = np.array([line.split()[:4] for line in lines[at + 9:at + 9 + count]], dtype=float)
+        table = np.array([line.split()[:5] for line in lines[at + 9:at + 9 + count]], dtype=float)
         frames.append((step, table[:, :3], table[:, 3]))
         at += 9 + count
-    return frames
+    return frames, np.sum(table[:, 4]) / np.sum(4 / 3 * np.pi * table[:, 3]**3)
 
 
 def volume_below(z, centre, radius):
@@ -47,9 +47,10 @@ def void_fractions(x, radius):
     return 1 - np.diff(below) / (WIDTH**2 * height), height
 
 
-def ergun_factors(eps, d):
-    """Ergun (1952): dp/L = linear U + quadratic U^2 of a packing at superficial velocity U; Pa s/m2 and Pa s2/m3."""
-    return 150 * (1 - eps)**2 * MU / (eps**3 * d**2), 1.75 * (1 - eps) * RHO_F / (eps**3 * d)
+def ergun_factors(eps, d, fluid):
+    """Ergun (1952): dp/L = linear U + quadratic U^2 of a packing at superficial velocity U; Pa s/m2 and Pa s2/m3. fluid: density, viscosity."""
+    rho, mu = fluid
+    return 150 * (1 - eps)**2 * mu / (eps**3 * d**2), 1.75 * (1 - eps) * rho / (eps**3 * d)
 
 
 def velocity_at(dp, linear, quadratic):
@@ -57,32 +58,36 @@ def velocity_at(dp, linear, quadratic):
     return 2 * dp / (linear + np.sqrt(linear**2 + 4 * quadratic * dp))
 
 
-def ergun_velocity(x, radius, weight):
+def ergun_velocity(x, radius, weight, fluid):
     """Superficial velocity (m/s) at which Ergun's pressure drop over the bed's own void fractions is the weight."""
     eps, height = void_fractions(x, radius)
-    linear, quadratic = ergun_factors(eps, 2 * radius.mean())
+    linear, quadratic = ergun_factors(eps, 2 * radius.mean(), fluid)
     return velocity_at(weight, height * linear.sum(), height * quadratic.sum())
 
 
 def measure(folder):
     curve = leg_tables.table(os.path.join(folder, "curve.txt"))
     step, U, dp = curve[:, 0], curve[:, 2], curve[:, 3]
-    beds = read_beds(os.path.join(folder, "bed.txt"))
+    floor = curve[:, 6] / WIDTH**2
+    beds, rho_p = read_beds(os.path.join(folder, "bed.txt"))
+    with h5py.File(os.path.join(folder, "bed.h5"), "r") as file:
+        fluid = tuple(float(file["record"].attrs[k]) for k in ("density", "viscosity"))
     radius = beds[-1][2]
-    weight = np.sum(4 / 3 * np.pi * radius**3) * (RHO_P - RHO_F) * G / WIDTH**2
+    lightened = (rho_p - fluid[0]) * G
+    weight = np.sum(4 / 3 * np.pi * radius**3) * lightened / WIDTH**2
     falling = np.arange(len(U)) > np.argmax(U)
     # Fixed-bed line dp = a U + b U^2, from the part of the falling branch well below the weight.
     fixed = falling & (dp < 0.75 * weight) & (dp > 0.1 * weight)
     (a, b), *_ = np.linalg.lstsq(np.stack([U[fixed], U[fixed]**2], axis=1), dp[fixed], rcond=None)
     Umf = velocity_at(weight, a, b)
     at_rest = [(x, r) for s, x, r in beds if step[fixed].min() <= s <= step[fixed].max()]
-    ergun = np.mean([ergun_velocity(x, r, weight) for x, r in at_rest])
+    ergun = np.mean([ergun_velocity(x, r, weight, fluid) for x, r in at_rest])
     slices = [void_fractions(x, r) for x, r in at_rest]
-    line = np.mean([[height * sum(f) for f in ergun_factors(e, 2 * radius.mean())] for e, height in slices], axis=0)
+    line = np.mean([[height * sum(f) for f in ergun_factors(e, 2 * radius.mean(), fluid)] for e, height in slices], axis=0)
     eps = np.mean(np.concatenate([void_fractions(x, r)[0][2:-3] for x, r in at_rest]))
-    middle = velocity_at((1 - eps) * (RHO_P - RHO_F) * G, *ergun_factors(eps, 2 * radius.mean()))
+    middle = velocity_at((1 - eps) * lightened, *ergun_factors(eps, 2 * radius.mean(), fluid))
     return dict(U=U, dp=dp, falling=falling, a=a, b=b, weight=weight, Umf=Umf, eps=eps, ergun=ergun, middle=middle,
-                plateau=dp[falling & (U > 1.03 * Umf)], line=line, particles=len(radius), beds=len(at_rest))
+                plateau=dp[falling & (U > 1.03 * Umf)], rests=floor[falling & (U > 1.03 * Umf)], line=line, particles=len(radius), beds=len(at_rest))
 
 
 def draw(m, path):
@@ -99,7 +104,7 @@ def draw(m, path):
     ax.axhline(m["weight"], color="k", ls="--", lw=1, label="buoyant weight / area")
     ax.axvline(m["Umf"], color="tab:red", lw=1, alpha=0.6)
     ax.axvline(m["ergun"], color="tab:green", lw=1.2, ls="-.", label="Ergun at the bed's void fractions")
-    ax.set_xlabel("superficial gas velocity (m/s)")
+    ax.set_xlabel("superficial velocity (m/s)")
     ax.set_ylabel("pressure drop (Pa)")
     ax.set_ylim(0, 1.25 * m["weight"])
     ax.set_xlim(0, None)
@@ -120,13 +125,13 @@ def main():
           f"{m['eps']:.4f}, where Ergun alone would give {m['middle']:.4f} m/s ({m['beds']} beds at rest)")
     if len(m["plateau"]) > 1:
         mean, error = m["plateau"].mean(), m["plateau"].std(ddof=1) / np.sqrt(len(m["plateau"]))
-        verdict.note(f"pressure drop of the falling branch above minimum fluidisation {mean:.1f} +- {error:.1f} Pa")
+        verdict.note(f"falling branch above minimum fluidisation: pressure drop {mean:.1f} +- {error:.1f} Pa, {100 * mean / m['weight']:.1f} % of the weight; the floor carries {100 * m['rests'].mean() / m['weight']:.1f} %")
     error = m["Umf"] / m["ergun"] - 1
     verdict(abs(error) <= TOLERANCE, f"minimum fluidisation {m['Umf']:.4f} m/s, Ergun over the bed's own void fractions "
             f"{m['ergun']:.4f} m/s: {100 * error:+.2f} % (wanted within {100 * TOLERANCE:.0f} %)")
     U = np.linspace(0, m["ergun"], 40)
     order = np.argsort(m["U"][m["falling"]])
-    save_compared(options.folder, [dict(title="Pressure drop while the gas is turned down", x_label="superficial gas velocity / (m/s)", y_label="pressure drop / Pa",
+    save_compared(options.folder, [dict(title="Pressure drop while the flow is turned down", x_label="superficial velocity / (m/s)", y_label="pressure drop / Pa",
                                         x=m["U"][m["falling"]][order], mean=m["dp"][m["falling"]][order], error=None, references=[
                                             dict(label="Ergun, the bed's void fractions", x=U, y=m["line"][0] * U + m["line"][1] * U**2, line=True),
                                             dict(label="weight / area", x=[m["ergun"], m["U"].max()], y=2 * [m["weight"]], line=True)])])

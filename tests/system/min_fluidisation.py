@@ -9,6 +9,8 @@ import os
 import subprocess
 import sys
 
+import h5py
+
 from harness import Run
 
 CASE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cases", "fluidisation_curve")
@@ -20,12 +22,14 @@ def main():
     failed = 0
     for form in "BA":
         print(f"formulation {form}", flush=True)
-        run = Run(sys.argv[1], script, options=["-var", "out", ".", "-var", "tup", "0.2", "-var", "tdown", "0.6", "-var", "form", form],
-                  timeout=300)
-        failed += subprocess.run(["/usr/bin/python3", os.path.join(CASE, "compare.py"), run.path, "--no-picture"]).returncode != 0
+        run = Run(sys.argv[1], script, options=["-var", "out", ".", "-var", "tup", "0.2", "-var", "tdown", "0.6", "-var", "form", form], timeout=300)
+        compare = ["/usr/bin/python3", os.path.join(CASE, "compare.py"), run.path, "--no-picture"]
+        failed += subprocess.run(compare).returncode != 0
         # The law of a gas that is twice as dense and viscous gives exactly twice the drag: to it this is a run with half of it.
-        half = "import sys, compare; compare.RHO_F *= 2; compare.MU *= 2; sys.argv[1:] = [sys.argv[1], '--no-picture']; compare.main()"
-        code = subprocess.run(["/usr/bin/python3", "-c", half, run.path], cwd=CASE).returncode
+        with h5py.File(run.file("bed.h5"), "r+") as f:
+            for key in ("density", "viscosity"):
+                f["record"].attrs[key] = 2 * f["record"].attrs[key]
+        code = subprocess.run(compare).returncode
         print(f"{'ok  ' if code == 1 else 'FAIL'} half the drag: the comparison ends with {code} (wanted: 1)", flush=True)
         failed += code != 1
     sys.exit(failed)
