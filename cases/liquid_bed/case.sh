@@ -1,6 +1,6 @@
 # For ../run. The bed is 9 diameters wide: ranks on top of each other.
 title="liquid bed"
-what="4800 alumina spheres of 3.1 mm that water expands, at six velocities"
+what="4800 alumina spheres of 3.1 mm that water expands, at five velocities"
 against="conservation; drag law; weight; a uniform suspension by the law; Richardson & Zaki (1954), 10 % of the void fraction"
 time_short="8 s" time_run="4 min" time_long="13 min" memory="80 MB"
 most=2
