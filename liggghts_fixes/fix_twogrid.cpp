@@ -13,6 +13,8 @@
 #include <update.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -199,7 +201,7 @@ void FixTwogrid::build() {
   install_models({script_, *fluid_, *coupling_, [this](const std::string& n) { return particle_property(*lmp, n); }});
   watch_.look_at(CouplingWatch(s));
   make_balance();
-  open_output();
+  open_output(facts);
   look_at_bodies(facts);
   watch_.say(scene_report(script_, grid, facts));
   for (const std::string& sentence : doubts(*lmp)) watch_.warn(sentence);
@@ -217,12 +219,15 @@ void FixTwogrid::build() {
         "the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }
 
-void FixTwogrid::open_output() {
-  const OutputSettings& out = script_.settings.output;
+void FixTwogrid::open_output(const SceneFacts& facts) {
+  OutputSettings& out = script_.settings.output;
   if (out.file.empty() || (out.every <= 0 && out.average_from < 0)) return;
   Record record = run_record(*lmp);
   record.settings = settings_texts(script_);
-  script_.settings.output.keep_old = restarting();
+  out.keep_old = restarting();
+  const Vec3& g = facts.gravity;
+  const double size = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  for (int d = 0; d < 3 && size > 0; ++d) out.up[d] = -g[d] / size;
   output_ = std::make_unique<Output>(world, script_.settings, *fluid_, record);
 }
 
@@ -353,12 +358,44 @@ void FixTwogrid::end_coupling() {
       Particles p = particles();
       {
         const Stopwatch watch = times_.output();
-        output_->average(schedule_.interval(), p);
+        const std::string news = output_->average(schedule_.interval(), p, coupling_->report().pressure_drop);
+        if (!news.empty()) watch_.say("twogrid: " + news + "\n");
+      }
+      if (ends_by_itself() && planned_end_.step == 0 && output_->sure_enough()) {
+        planned_end_.step = update->ntimestep + script_.settings.every;
+        watch_.say("twogrid: the means are as sure as 'until' wants: the run ends at step " +
+                   std::to_string(planned_end_.step) + "\n");
       }
       if (frame_due()) write_frame(p);
     }
     watch_.tell_progress(times_.done(update->ntimestep), coupling_->report(), schedule_);
   });
+}
+
+bool FixTwogrid::ends_by_itself() const {
+  return output_ && script_.settings.output.until > 0 && !planned_end_.reached;
+}
+
+long long FixTwogrid::steps_undecided() const {
+  if (!ends_by_itself()) return std::numeric_limits<int>::max();
+  // With accuracy the interval changes between couplings.
+  const long long every = script_.settings.every, samples = accuracy_.on() ? 1 : output_->samples_to_decide();
+  const long long now = update->ntimestep;
+  return accuracy_.on() && script_.every_auto ? std::max(1LL, every - schedule_.steps())
+                                              : (now / every + samples) * every - now;
+}
+
+long long FixTwogrid::steps_to_end() const {
+  return ends_by_itself() && planned_end_.step > 0 ? planned_end_.step - update->ntimestep : 0;
+}
+
+void FixTwogrid::tell_sureness() {
+  const std::string sure = output_ ? output_->sureness() : "";
+  if (!sure.empty()) watch_.say("twogrid: " + sure + "\n");
+}
+
+bool FixTwogrid::stands_at_planned_end() const {
+  return ends_by_itself() && planned_end_.step > 0 && update->ntimestep >= planned_end_.step;
 }
 
 bool FixTwogrid::frame_due() const {

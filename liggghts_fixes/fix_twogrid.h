@@ -38,6 +38,7 @@
 #include "liggghts_fixes/liggghts/motion.h"
 #include "liggghts_fixes/liggghts/script_names.h"
 #include "liggghts_fixes/report/run_times.h"
+#include "liggghts_fixes/run/planned_end.h"
 #include "liggghts_fixes/run/run_watch.h"
 #include "liggghts_fixes/run/signals.h"
 #include "liggghts_fixes/script/script_parser.h"
@@ -94,6 +95,14 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void go_on_from(const std::string& path);
   /// Whether it goes on, and every rank has the part of the box that it had then.
   bool ranks_as_then() const;
+  /// `output average until`: DEM steps in which no end of the run can come to be planned; steps to the planned end, 0: none.
+  long long steps_undecided() const;
+  long long steps_to_end() const;
+  bool stands_at_planned_end() const;
+  /// The run has ended there: those that follow go on to their own ends.
+  void end_reached() { planned_end_.reached = true; }
+  /// After a run: how sure the means are. Collective.
+  void tell_sureness();
   /// A run command comes, and LIGGGHTS still has what a restart file holds of the particles.
   void before_run();
 
@@ -105,7 +114,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void look_at_scene();
   void look_at_bodies(SceneFacts& facts) const;
   void build();
-  void open_output();
+  void open_output(const SceneFacts& facts);
   void make_balance();
   void read_beginning();
   Layout layout(const FineGrid& grid) const;
@@ -120,6 +129,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void couple();
   void end_coupling();
   void adjust_steps();
+  bool ends_by_itself() const;
   bool frame_due() const;
   void write_frame(const Particles& p);
 
@@ -142,6 +152,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   bool balance_said_ = false;
 
   Schedule schedule_;
+  PlannedEnd planned_end_;
   bool set_up_ = false;   // LIGGGHTS has set up a run since this fix was made or modified
   bool has_run_ = false;  // so has another process with this script
   bool started_ = false;  // the coupling has deposited once

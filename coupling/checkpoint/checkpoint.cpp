@@ -24,13 +24,15 @@
 #include "coupling/output/averages.h"
 #include "coupling/output/on_disk.h"
 #include "coupling/output/output.h"
+#include "coupling/output/start_up.h"
 #include "coupling/output/wall_writer.h"
 
 namespace twogrid {
 
 namespace {
 
-constexpr char kKeyword[] = "checkpoint", kOutput[] = "/output", kAverages[] = "/averages", kWalls[] = "/walls";
+constexpr char kKeyword[] = "checkpoint", kOutput[] = "/output", kAverages[] = "/averages", kWalls[] = "/walls",
+               kStartUp[] = "/start_up";
 constexpr double kMost = 9e15;  // steps, particles
 constexpr int kVersion = 3;
 
@@ -102,6 +104,7 @@ void for_each_state(const CheckpointParts& c, F&& f) {
   f("/schedule", c.schedule);
   if (c.output) f(kOutput, c.output->state());
   if (c.output && c.output->averages()) f(kAverages, c.output->averages()->state());
+  if (c.output && c.output->start_up()) f(kStartUp, c.output->start_up()->state());
   if (c.output && c.output->wall_means()) f(kWalls, *c.output->wall_means());
   f("/report", c.coupling.report_to_restore());
   for (const NumberList& list : c.numbers) f("/" + list.group, list);

@@ -2,7 +2,7 @@
 // LIGGGHTS' to keep (write_restart). Written between two runs, into one HDF5 file:
 //
 //   /fluid, /coupling, /schedule   the entries of FluidState, CouplingState, ScheduleState (state_file.h)
-//   /output, /averages             those of OutputState and AveragesState, where there is output
+//   /output, /averages, /start_up  those of OutputState, AveragesState, StartUpState, where there is output
 //   /report and others             entries of Report, and of what the caller lists
 //   /record                        step, particles, and what of the settings must be the same: version of this format,
 //                                  grids, formulation, models' fields; `every` and the skin, which may have been chosen

@@ -5,6 +5,7 @@
 #include "cfd/fluid/fluid_state.h"
 #include "coupling/coupling_state.h"
 #include "coupling/output/averages.h"
+#include "coupling/output/start_up.h"
 
 namespace twogrid {
 
@@ -58,6 +59,12 @@ EntryRange range_of(const std::string& path) {
                                                          {"/averages/batch", {0, AveragesState::kBatches - 1}},
                                                          {"/averages/batch_length", {1, kCount}},
                                                          {"/averages/batch_samples", kNumber},
+                                                         {"/start_up/bins", {0, StartUp::kBins - 1}},
+                                                         {"/start_up/bin_length", {1, kCount}},
+                                                         {"/start_up/bin_samples", kNumber},
+                                                         {"/start_up/next_look", kAmount},
+                                                         {"/start_up/restarts", kInt},
+                                                         {"/start_up/origin", kAmount},
                                                          {"/accuracy/fluid_step", {1e-12, 1}},
                                                          {"/accuracy/coupling_step", {1, 2147483647}}};
   const auto row = kRanges.find(path);

@@ -64,6 +64,13 @@ double StateFile::read_number(const std::string& path) {
   return rank_ == 0 ? sum : 0;
 }
 
+void StateFile::read_list(const std::string& path, std::vector<double>& list) {
+  std::vector<double> all = file_.whole(path);
+  if (all.size() != list.size())
+    return file_.unfit(path + " is not there, or has not " + std::to_string(list.size()) + " entries");
+  if (check(path, all.data(), all.size())) list.swap(all);
+}
+
 void StateFile::write_array(const std::string& path, const Array3<double>& a, const Layout& layout) {
   const Box own = layout.cells(rank_), box = a.box();
   const bool here = a.size() > 0 && !own.empty();

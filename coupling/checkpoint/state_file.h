@@ -3,7 +3,7 @@
 // not periodic, and every rank reads its part and its halo from it; a table (CellTable) is that of
 // all own cells. A number has a value a rank; of those that
 // wrote, other ranks get the first one's, and of a number whose name ends with _of_rank, rank 0 gets the sum, and the
-// others nothing.
+// others nothing. A list is the same on all ranks, and as long when it is read as when it was written.
 //
 // For tests: with TWOGRID_CHECKPOINT_LEAVE_OUT=group/entry in the environment reading passes that entry over, which keeps
 // what a new process has. A test can so show that it is needed.
@@ -64,6 +64,8 @@ class StateFile {
       const std::string path = group + "/" + name;
       if constexpr (std::is_arithmetic_v<T>)
         write_number(path, double(entry));
+      else if constexpr (std::is_same_v<T, std::vector<double>>)
+        file_.replicated(path, entry, {entry.size()});
       else
         write_entry(path, entry, layout_of(entry));
     });
@@ -80,6 +82,8 @@ class StateFile {
         if (state.of_script && !file_.has(path)) return;
       if constexpr (std::is_arithmetic_v<T>)
         entry = number_as<T>(path);
+      else if constexpr (std::is_same_v<T, std::vector<double>>)
+        read_list(path, entry);
       else
         read_entry(path, entry, layout_of(entry));
     });
@@ -125,6 +129,7 @@ class StateFile {
   Slab table_slab(const Box& own, int columns, const Layout& layout) const;
   void write_number(const std::string& path, double value);
   double read_number(const std::string& path);
+  void read_list(const std::string& path, std::vector<double>& list);
   void write_array(const std::string& path, const Array3<double>& a, const Layout& layout);
   void read_array(const std::string& path, Array3<double>& a, const Layout& layout);
 

@@ -17,14 +17,22 @@ Averages::Averages(MPI_Comm comm, const FineGrid& fine, const Layout& layout, co
       coarse_layout_(node_layout(layout, coarse)),
       fine_own_(layout.cells(rank_of(comm))),
       coarse_own_(coarse_layout_.cells(rank_of(comm))) {
-  state_.fine.reset(fine_own_, kFineSums);
-  state_.gas.reset(coarse_own_, kGasSums), state_.solids.reset(coarse_own_, kSolidsSums);
-  for (auto& b : state_.gas_batch) b.reset(coarse_own_, kGasBatchSums);
-  for (auto& b : state_.solids_batch) b.reset(coarse_own_, kSolidsBatchSums);
+  begin_anew();
   for (int i = fine_own_.lo[0]; i < fine_own_.hi[0]; ++i) width_.push_back(fine.axis[0].width(i));
   open_width_.resize(coarse.ratio[0]);
   // A particle may lie a little outside the rank's cells; one particle cell around them saves the first growth.
   if (!coarse_own_.empty()) grow_window(coarse_own_.lo);
+}
+
+void Averages::begin_anew() {
+  state_ = AveragesState{};
+  state_.fine.reset(fine_own_, kFineSums);
+  state_.gas.reset(coarse_own_, kGasSums), state_.solids.reset(coarse_own_, kSolidsSums);
+  for (auto& b : state_.gas_batch) b.reset(coarse_own_, kGasBatchSums);
+  for (auto& b : state_.solids_batch) b.reset(coarse_own_, kSolidsBatchSums);
+  for (auto& a : beyond_sum_) a.fill(0);
+  for (auto& b : beyond_batch_)
+    for (auto& a : b) a.fill(0);
 }
 
 void Averages::add(double weight, const Fluid& fluid, const Particles& particles) {
@@ -112,11 +120,11 @@ void Averages::add_gas(double weight, const Fluid& fluid) {
     if (volume > 0)  // else inside a body
       for (double& b : block) b /= volume;
     double *s = state_.gas.at(c), *batch = state_.gas_batch[state_.batch].at(c);
-    for (int q = 0; q < kGasEps2; ++q) s[q] += weight * block[q];
     for (int q = 0; q < kGasBatchSums; ++q) {
-      s[kGasEps2 + q] += weight * block[q] * block[q];
+      s[q] += weight * block[q];
       batch[q] += weight * block[q];
     }
+    for (int q = 0; q < kGasFlux; ++q) s[kGasEps2 + q] += weight * block[q] * block[q];
     ++c;
   });
 }

@@ -51,6 +51,22 @@ struct AveragesState {
   }
 };
 
+/// How sure the means on the particle grid are, from the scatter of their full batches: root mean squares over the cells, each
+/// counted with its mean volume of solids (where there are none: with its open volume).
+struct MeansError {
+  int batches = 0;           ///< full ones; below AveragesState::kBatches / 2 nothing below is known
+  double batch_time = 0;     ///< length of one (s)
+  double eps = 0, flux = 0;  ///< standard errors of void fraction and gas flux over their own means
+  double correlation_time =
+      0;           ///< of void fraction and gas velocity: integral of their correlation over lags above 0 (s)
+  double lag = 0;  ///< correlation of neighbouring batches, by which the errors have been made larger
+
+  bool known() const { return batches >= AveragesState::kBatches / 2; }
+  /// Batches long enough against the flow's memory for their scatter to be what the errors are made of.
+  bool trusted() const { return known() && batch_time >= 4 * correlation_time && lag < 0.3; }
+  bool within(double relative) const { return trusted() && eps <= relative && flux <= relative; }
+};
+
 class Averages {
  public:
   static constexpr int kBatches = AveragesState::kBatches;
@@ -64,6 +80,12 @@ class Averages {
   void add(double weight, const Fluid& fluid, const Particles& particles);
 
   double weight() const { return state_.weight; }
+  /// Samples to come until the batch in hand is full.
+  long long samples_to_full_batch() const { return state_.batch_length - state_.batch_samples; }
+  /// Collective.
+  MeansError error() const;
+  /// Forgets all samples. Local.
+  void begin_anew();
   /// Upper bound of what write() adds to a file that has no means yet (of all ranks), bytes.
   double bytes() const;
   /// Writes /average, in place of what an earlier call wrote. Collective. The sums stay as they are.
@@ -77,7 +99,7 @@ class Averages {
 
  private:
   enum { kFineEps, kFineP, kFineU, kFineFlux = 5, kFineEps2 = 8, kFineP2, kFineU2, kFineSums = 13 };
-  enum { kGasEps, kGasP, kGasU, kGasBatchSums = 5, kGasFlux = 5, kGasEps2 = 8, kGasP2, kGasU2, kGasSums = 13 };
+  enum { kGasEps, kGasP, kGasU, kGasFlux = 5, kGasBatchSums = 8, kGasEps2 = 8, kGasP2, kGasU2, kGasSums = 13 };
   enum { kSolidsVolume, kSolidsFlux, kSolidsBatchSums = 4, kSolidsV2 = 4, kSolidsSums = 7 };
 
   void next_batch();

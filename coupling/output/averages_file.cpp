@@ -157,6 +157,7 @@ void Averages::write(GrowingFile& file) const {
   put_batches("eps", 1, "1", gas_in(kGasEps));
   put_batches("p", 1, "Pa", gas_in(kGasP));
   put_batches("gas_velocity", 3, "m/s", gas_in(kGasU));
+  put_batches("gas_flux", 3, "m/s", gas_in(kGasFlux));
   put_batches("solids_fraction", 1, "1", solids_in(kSolidsVolume));
   put_batches("solids_flux", 3, "m/s", solids_in(kSolidsFlux));
 }

@@ -31,7 +31,8 @@
 //                           pressure_force, radius, eps, id. Rows are in no order: sort by id to follow a particle.
 //                           Names and shapes are those of H5MD (de Buyl, Colberg & Hoefling 2014); other than there
 //                           every frame is a group of its own, as the number of particles may change.
-//   /average/               see averages.h; fine/... and particle_grid/... with batch/...; walls/friction, pressure
+//   /average/               attributes from, to (s), weight (s of samples), samples; where batches tell them: relative
+//                           standard errors of void fraction and gas flux, correlation_time (s). See averages.h; fine/... and particle_grid/... with batch/...; walls/friction, pressure
 #pragma once
 
 #include <mpi.h>
@@ -73,6 +74,7 @@ struct OutputState {
 };
 
 class Averages;
+class StartUp;
 struct WallMeansState;
 
 class Output {
@@ -91,13 +93,21 @@ class Output {
   OutputState& state();
   Averages* averages();          ///< Null: none wanted.
   WallMeansState* wall_means();  ///< The same.
+  StartUp* start_up();           ///< Null: not to be found.
 
   /// Adds a frame of the fields at time t (s), DEM step `step`, and the means so far. Collective. Throws
   /// std::runtime_error with a sentence on all ranks when it can't be written.
   void frame(double t, long step, const Particles& particles);
-  /// Adds the present fields to the means, for a time of `weight` s, if the fluid's time has reached `average from`.
-  /// No message.
-  void average(double weight, const Particles& particles);
+  /// Adds the present fields to the means, for a time of `weight` s, if the fluid's time has reached `average from`, or
+  /// start-up is over (start_up.h). pressure_drop (Pa): of the last interval. Returns what the user should know, mostly
+  /// nothing. No message; with `auto` or `until` it is collective.
+  std::string average(double weight, const Particles& particles, double pressure_drop);
+  /// Whether the means are as sure as `until` wants; known anew when a batch has become full.
+  bool sure_enough() const;
+  /// Samples to come, at least 1, before sure_enough() can change.
+  long long samples_to_decide() const;
+  /// What is known of the means' errors, as a sentence; empty: nothing. Collective.
+  std::string sureness() const;
   /// Writes the means. To be called at the end of every run; more frames and another run may follow. Collective.
   void finish();
   /// What has been written so far is on the disk, whatever happens to the machine. Returns a sentence where it isn't.

@@ -190,6 +190,11 @@ void WallWriter::add(double weight) {
   state_.weight += weight;
 }
 
+void WallWriter::begin_means_anew() {
+  state_.weight = 0;
+  std::fill(state_.sums.data(), state_.sums.data() + state_.sums.size(), 0.0);
+}
+
 void WallWriter::write_means(GrowingFile& file) const {
   if (!has_means() || !(state_.weight > 0)) return;
   std::vector<double> tau, p;

@@ -48,6 +48,8 @@ class WallWriter {
   XdmfSurface write_frame(GrowingFile& file, const std::string& name, double t, long step) const;
   /// Adds the present friction and pressure with this weight (s). Collective.
   void add(double weight);
+  /// Forgets them. Local.
+  void begin_means_anew();
   /// /average/walls. Collective.
   void write_means(GrowingFile& file) const;
   const XdmfSurface& shown() const { return shown_; }

@@ -78,7 +78,7 @@ double bytes_needed(const Settings& s, const Int3& bricks, std::size_t bodies) {
   for (int r : s.ratio) coarse /= r;
   bytes += coarse * kParticleCell;
   if (s.output.every > 0) bytes += cells * kDouble * 3;
-  if (s.output.average_from >= 0 && !s.output.file.empty()) bytes += kDouble * (13 * cells + 164 * coarse);
+  if (s.output.average_from >= 0 && !s.output.file.empty()) bytes += kDouble * (13 * cells + 212 * coarse);
   // Facets as of a body of the domain's size; a fit takes some 2.5 kB.
   if (s.fluid.wall_stress)
     bytes += 10e3 * std::cbrt(cells * cells) + (s.output.average_from >= 0 ? 4 * kDouble * cells : 0);

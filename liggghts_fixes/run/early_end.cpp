@@ -1,6 +1,8 @@
 #include "liggghts_fixes/run/early_end.h"
 
 #include <lammps.h>
+#include <modify.h>
+#include <output.h>
 #include <update.h>
 #include <verlet.h>
 
@@ -22,22 +24,30 @@ class WatchedVerlet : public Verlet {
   WatchedVerlet(LAMMPS* lammps, EarlyEnd& watch) : Verlet(lammps, 0, nullptr), early_end_(watch) {}
 
   void run(int n) override {
-    for (int done = 0; done < n;) {
-      const int piece = int(std::min<long long>(early_end_.steps_to_look(), n - done));
-      Verlet::run(piece);
+    for (long long done = 0; done < n;) {
+      const long long left = n - done, to_end = early_end_.steps_to_end();
+      if (to_end > 0 && to_end <= left) return end_after(to_end, done);
+      const long long piece = std::min({early_end_.steps_to_look(), early_end_.steps_undecided(), left});
+      Verlet::run(int(piece));
       done += piece;
       Status::of_process().step(update->ntimestep);
-      if (early_end_.look(piece) && done < n) {
-        // One step more, known as the last one: fixes note in it what the next run's set-up reads.
-        update->laststep = update->ntimestep + 1;
-        Verlet::run(1);
-        update->nsteps = done + 1;
-        return;
-      }
+      // One step more, known as the last one: fixes note in it what the next run's set-up reads.
+      if (early_end_.look(piece) && done < n) return end_after(1, done);
     }
   }
 
  private:
+  void end_after(long long steps, long long done) {
+    const bigint last = update->laststep = update->ntimestep + steps;
+    if (steps > 1) {  // as at the end of any run
+      output->next_thermo = std::min(output->next_thermo, last);
+      output->next = std::min(output->next, last);
+      modify->addstep_compute(last);
+    }
+    Verlet::run(int(steps));
+    update->nsteps = int(done + steps);
+  }
+
   EarlyEnd& early_end_;
 };
 

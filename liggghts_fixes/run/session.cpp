@@ -11,6 +11,7 @@
 #include <update.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -83,7 +84,19 @@ Session::Session(LAMMPS& lammps, const CommandLine& line, Checkpoint from)
     : lammps_(lammps),
       interpreter_(lammps, line.script, line.variables),
       early_end_(lammps.world),
-      from_(std::move(from)) {}
+      from_(std::move(from)) {
+  early_end_.set_plan(
+      [this] {
+        long long steps = std::numeric_limits<int>::max();
+        for (const FixTwogrid* f : fluids(lammps_)) steps = std::min(steps, f->steps_undecided());
+        return steps;
+      },
+      [this] {
+        long long steps = 0;
+        for (const FixTwogrid* f : fluids(lammps_)) steps = std::max(steps, f->steps_to_end());
+        return steps;
+      });
+}
 
 int Session::run() {
   if (!from_.path.empty()) go_on();
@@ -132,7 +145,8 @@ long long Session::part_to(const RunRequest& r, long long step) const {
   return every > 0 ? std::min(to, (step / every + 1) * every) : to;
 }
 
-void Session::run_parts(const Command& words, const RunRequest& r) {
+void Session::run_parts(const Command& words, const RunRequest& request) {
+  RunRequest r = request;
   Update& update = *lammps_.update;
   const StatusOfRun status(r, update);
   bool set_up = r.pre;
@@ -149,6 +163,7 @@ void Session::run_parts(const Command& words, const RunRequest& r) {
     interpreter_.note_run();
     set_up = r.pre;
     const long long now = update.ntimestep;
+    if (end_reached(now >= r.end)) r.end = now;
     if (r.every > 0 && now == r.part_end(step)) {
       lammps_.modify->clearstep_compute();
       for (const std::string& c : r.commands) interpreter_.one(c);
@@ -165,6 +180,15 @@ void Session::run_parts(const Command& words, const RunRequest& r) {
       return;
     }
   }
+  for (FixTwogrid* f : fluids(lammps_)) f->tell_sureness();
+}
+
+/// Whether the run stands at an end that was planned within it; or at its own, shortly before that one.
+bool Session::end_reached(bool at_its_own) const {
+  bool reached = false;
+  for (FixTwogrid* f : fluids(lammps_))
+    if (f->stands_at_planned_end() || (at_its_own && f->steps_to_end() > 0)) f->end_reached(), reached = true;
+  return reached;
 }
 
 CheckpointFolder Session::folder() const {

@@ -30,6 +30,7 @@ class Session {
   void go_on();
   void run_parts(const Command& words, const RunRequest& request);
   bool end_here();
+  bool end_reached(bool at_its_own) const;
   long long part_to(const RunRequest& r, long long step) const;
   CheckpointPlan plan() const;
   CheckpointFolder folder() const;

@@ -167,7 +167,11 @@ void parse_output(const Line& line) {
       out.many_legs = words.one_of("output legs", {"one", "many"}) == 1;
     } else if (!started && words.take_if("average")) {
       words.one_of("output average", {"from"});
-      out.average_from = words.number("output average from", "a time in s, at least 0", kTimes);
+      out.average_auto = words.take_if("auto");
+      out.average_from =
+          out.average_auto ? 0 : words.number("output average from", "a time in s, at least 0, or auto", kTimes);
+      if (words.take_if("until"))
+        out.until = words.number("output average until", "a relative standard error", kErrors);
     } else {
       break;
     }
@@ -175,7 +179,8 @@ void parse_output(const Line& line) {
   if (!any)
     refuse("output", words.peek(),
            started ? "off or every N (the rest is fixed at the first run)"
-                   : "every N file F [fields u p eps] [particles yes|no] [average from T] [overwrite yes|no] "
+                   : "every N file F [fields u p eps] [particles yes|no] [average from T|auto [until X]] [overwrite "
+                     "yes|no] "
                      "[legs one|many], or off");
 }
 
@@ -187,7 +192,8 @@ std::string output_text(const Script& script) {
   if (!out.fields.empty()) s += " fields";
   for (const std::string& f : out.fields) s += " " + f;
   s += out.particles ? " particles yes" : " particles no";
-  if (out.average_from >= 0) s += " average from " + exact(out.average_from);
+  if (out.average_from >= 0) s += " average from " + (out.average_auto ? "auto" : exact(out.average_from));
+  if (out.until > 0) s += " until " + exact(out.until);
   s += out.overwrite ? " overwrite yes" : " overwrite no";
   s += out.many_legs ? " legs many" : " legs one";
   return s;
@@ -408,10 +414,10 @@ std::vector<Keyword> make_rows() {
              [](Settings& s) -> Choice& { return s.fluid.implicit_viscosity; }),
       {"output",
        "`every` N DEM steps, `file` NAME.h5, `fields` some of `u p eps faces walls`, `particles yes` or `no`, `average "
-       "from` "
-       "T (s of fluid time), `overwrite no` or `yes`: replace a file that is there, `legs one` or `many`: a file for "
-       "each "
-       "restart; or `off`",
+       "from` T (s of fluid time) or `auto`: from the end of start-up on, which the run finds; `until` X: the run ends "
+       "when "
+       "the means' relative standard error is X; `overwrite no` or `yes`: replace a file that is there, `legs one` or "
+       "`many`: a file for each restart; or `off`",
        "", "", "none", "", parse_output, output_text, nullptr, false, true},
       {"checkpoint",
        "`every` N (DEM steps), T `min` or T `h`, `folder` NAME, `keep` K; or `write` FILE, between runs, or `read` "

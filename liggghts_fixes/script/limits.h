@@ -20,6 +20,7 @@ constexpr Range kFluidSteps{1e-15, 1e6};          ///< s
 constexpr Range kCheckpointTimes{1e-3, 1e9};      ///< s, by the clock
 constexpr Range kCourantNumbers{1e-12, 1};
 constexpr Range kTolerances{1e-15, 0.1};
+constexpr Range kErrors{1e-4, 0.5};          ///< of means, relative
 constexpr Range kVoidFractions{0.01, 0.99};  ///< smallest of a cell
 constexpr Range kFactors{-1e6, 1e6};         ///< on a velocity
 constexpr double kMostStretch = 1e6;         ///< widest cell over narrowest, of a direction

@@ -35,7 +35,7 @@ TEST_F(AveragesTest, MeansAndBatchesEqualDirectSums) {
         if (cloud.tag[i] == 1) cloud.x[i][0] = 0.012 + 1e-5;  // to the first one
         if (cloud.tag[i] == 2) cloud.x[i][2] = 0.0301;        // above the domain: to none
       }
-      output.average(0.01, cloud.view());
+      output.average(0.01, cloud.view(), 0);
       if (n == 20) output.finish();              // a first run's end must not disturb the sums
       if (n == 25) output.averages()->gather();  // nor must a checkpoint
     }

@@ -177,7 +177,7 @@ TEST_F(OutputTest, ARunGoesOnInItsFile) {
     Cloud cloud(20 + n);
     // On another rank than the cell's.
     for (auto& x : cloud.x) x[0] = std::fmod(x[0] + 0.0007 * n, 0.012);
-    output.average(0.01, cloud.view());
+    output.average(0.01, cloud.view(), 0);
     if (n % 3 == 0) output.frame(n, n, cloud.view());
   };
   OutputState state;
