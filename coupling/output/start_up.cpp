@@ -36,7 +36,7 @@ int beginning_to_leave(const std::vector<double>& values, double fine) {
   const double least = *std::min_element(error.begin(), error.begin() + most + 1);
   const auto best = std::find_if(error.begin(), error.end(), [&](double e) { return e <= StartUp::kNearly * least; });
   const int leave = int(best - error.begin());
-  return leave > n / 2 ? n : leave;
+  return leave > n / 3 ? n : leave;
 }
 
 std::array<double, 2> drift_of(const std::vector<double>& values, double fine) {

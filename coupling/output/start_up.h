@@ -7,7 +7,7 @@
 //           (MSER; White 1997, Simulation 69, 323; of bins as by White, Cobb & Spratt 2000): the shortest one whose error is
 //           at most kNearly times the least, at least a fourth of the bins being kept. kFine of what the number has gone
 //           through counts as scatter, too: what comes to rest would never be at rest enough. Start-up is over when none of these
-//           beginnings is longer than half of the time, that was so for the last fifth of it, and the fluid has passed the
+//           beginnings is longer than a third of the time, that was so for the last fifth of it, and the fluid has passed the
 //           domain's longest side kPasses times.
 //   drift   From then on the bins of the means' time are put together to 8; a number drifts when a straight line through
 //           its 8 means rises by more than kDrift times its own standard error, and by more than their scatter about it.
@@ -75,7 +75,7 @@ class StartUp {
   StartUpState state_;
 };
 
-/// How many of the first values are best left away (MSER); values.size() where the best would be more than half of them.
+/// How many of the first values are best left away (MSER); values.size() where the best would be more than a third of them.
 /// fine: scatter that is there in any case.
 int beginning_to_leave(const std::vector<double>& values, double fine);
 /// Slope of a straight line through the values over its standard error, and its rise over their scatter about it, which is
