@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""The short modes of cases/two_sizes and cases/goldschmidt_bed: scripts, comparisons and pictures work, on fewer grains.
+"""The short modes of cases/two_sizes, cases/flat_spouted_bed and cases/goldschmidt_bed: scripts, comparisons and pictures work, on fewer grains.
 
-Without this test the cases could rot: four scenes in one script that change form and grains; walls, floor and lid in the balance of momentum. What needs a long mean (segregation, pressure against weight, symmetry) is printed by the
+Without this test the cases could rot: four scenes in one script that change form and grains; a jet through a slot beside gas through the floor, both turned
+up; walls, floor and lid in the balance of momentum. What needs a long mean (segregation, spout, pressure against weight, symmetry) is printed by the
 comparisons without a verdict.
 """
 from harness import short_modes
@@ -9,4 +10,4 @@ from harness import short_modes
 USUAL = ("mean_void_fraction", "snapshots", "profiles", "pressure", "grains")
 
 if __name__ == "__main__":
-    short_modes(("two_sizes", 11, *USUAL, "two_sizes"), ("goldschmidt_bed", 6, *USUAL, "curve"))
+    short_modes(("two_sizes", 11, *USUAL, "two_sizes"), ("flat_spouted_bed", 6, *USUAL, "curve"), ("goldschmidt_bed", 6, *USUAL, "curve"))
