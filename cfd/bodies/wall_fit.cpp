@@ -5,7 +5,7 @@
 namespace twogrid {
 
 std::vector<double> WallFit::of_first() const {
-  constexpr double kHeld = 1e-8;  // what keeps undetermined terms small: of the sum of weights
+  constexpr double kHeld = 1e-9;  // what keeps undetermined terms small: of the sum of weights
   double matrix[kMost][kMost] = {}, value[kMost] = {1}, all = 0;
   for (const Point& p : points_) {
     all += p.weight;

@@ -273,7 +273,7 @@ void WallStress::fit_pressure(const Place& place, const Wide& shares, const Feet
       if (!(shares.theta(x[0], x[1], x[2]) >= least_open) || (least_open > 0 && !(ahead > 0))) continue;
       for (int d = 0; d < 3; ++d) r[d] /= place.width[d];
       if (dot(r, r) > 12) continue;
-      fit.add(weight_at(dot(r, r), 0.8),
+      fit.add(weight_at(dot(r, r), 0.65),
               {1, r[0], r[1], r[2], r[0] * r[0], r[1] * r[1], r[2] * r[2], r[0] * r[1], r[1] * r[2], r[2] * r[0]});
       found.push_back(p_.index(x[0], x[1], x[2]));
     }

@@ -64,9 +64,17 @@ double pressure_at(const CfdBox& box, int x, int y, bool downstream) {
 
 // DFG benchmark 2D-1 at 10 cells across the cylinder: drag 5.57953523, lift 0.010618948 (FeatFlow's tables for Schaefer &
 // Turek 1996).
+// Drag, measured: central +0.96, 0.73, 0.38, 0.20, 0.10 % at 8, 10, 15, 20, 30 cells (order 1.8); in 25 places of grids of
+// 9.5 to 10.5 cells +0.74 +- 0.05 % (van Leer +0.97 +- 0.10 %). That is the truncation of convection in the fluid, not the
+// walls: interpolating convected velocities and fluxes to fourth order wherever four open faces stand in a row gave -0.03 %
+// in this place; without inertia drag is 0.7 % too low.
+// Pressure, front less rear, in 15 places: central -3.9 +- 0.9 %, van Leer -2.4 +- 0.9 %. Most of it is the fit's: at the
+// front pressure steepens within a cell of the wall (dp/dn = mu d2u_n/dn2), which polynomials through cells don't see. Of a
+// flow at 30 cells, sampled at these cells' centres, they give -2.2 %, of this flow -3.0 % (van Leer -1.3 %).
 TEST(BodiesInFlow, CylinderInChannelAtRe20) {
   for (int turn : {0, 1}) {
     Channel c(turn, 2, 41, 0.2, turn == 0 ? Convection::kCentral : Convection::kVanLeer);
+    c.s.pressure_rtol = 1e-8;  // at 1e-5 the pressure of a single step is off by some 1e-3 Pa
     c.s.wall_stress = true;
     CfdBox box(c.nodes, {false, false, false}, c.s);
     const double scale = 0.5 * c.U * c.U * c.D * box.grid.axis[c.z].length();
@@ -89,13 +97,14 @@ TEST(BodiesInFlow, CylinderInChannelAtRe20) {
         "%+.2f %%\n",
         front - rear, 100 * ((front - rear) / 0.11752017 - 1), sums[0][c.x] / scale, sums[1][c.x] / scale,
         100 * ((sums[0][c.x] + sums[1][c.x]) / scale / 5.57953523 - 1));
-    EXPECT_NEAR((front - rear) / 0.11752017, 1, 0.045);  // 2 % is wanted
+    EXPECT_NEAR((front - rear) / 0.11752017, 1, turn == 0 ? 0.035 : 0.018);  // 1 to 2 % is wanted
     EXPECT_NEAR((sums[0][c.x] + sums[1][c.x]) / F.force()[c.x], 1, 0.02);
   }
 }
 
-// Schaefer & Turek (1996), 2D-2: Strouhal number 0.295 to 0.305, largest drag 3.22 to 3.24, largest lift 0.99 to 1.01. Some
-// minutes: --gtest_also_run_disabled_tests.
+// Schaefer & Turek (1996), 2D-2: Strouhal number 0.295 to 0.305, largest drag 3.22 to 3.24, largest lift 0.99 to 1.01. Measured:
+// 0.3009, 3.237, 0.917 (least -0.955); with convection interpolated to fourth order away from walls 0.3017, 3.256, 0.962
+// (-1.001): lift is lost to convection's truncation, too. Some minutes: --gtest_also_run_disabled_tests.
 TEST(BodiesInFlow, DISABLED_CylinderInChannelAtRe100) {
   Channel c(0, 2, 82, 1.0, Convection::kCentral);
   CfdBox box(c.nodes, {false, false, false}, c.s);

@@ -166,15 +166,9 @@ TEST(Sheets, Momentum) {
   s.pressure_gradient = {-3, 0.5, -1};
   s.bodies = {sheet(quadrangle({0.2, 0.3, 0.2}, {0.8, 0.25, 0.3}, {0.75, 0.7, 0.8}, {0.25, 0.72, 0.66}))};
   CfdBox box({uniform(0, 1, 12), uniform(0, 1, 10), uniform(0, 1, 14)}, {true, true, true}, s);
+  // The mean gradient drives all of the box, what lies beside closed faces, too.
   Vec3 driven{0, 0, 0}, before{0, 0, 0};
-  for (int d = 0; d < 3; ++d) {
-    double open = 0;
-    for_each(box.faces(d), [&](int i, int j, int k) {
-      if (box.fluid->face_state(d)(i, j, k) == FaceState::kSolved)
-        open += box.fluid->measures().open_volume(d, i, j, k);
-    });
-    driven[d] = -s.pressure_gradient[d] * box.sum(open);
-  }
+  for (int d = 0; d < 3; ++d) driven[d] = -s.pressure_gradient[d];
   double worst = 0, given = 0;
   for (int step = 0; step < 30; ++step) {
     box.step(s.dt);
