@@ -63,6 +63,7 @@ EntryRange range_of(const std::string& path) {
                                                          {"/start_up/bin_length", {1, kCount}},
                                                          {"/start_up/bin_samples", kNumber},
                                                          {"/start_up/next_look", kAmount},
+                                                         {"/start_up/looks", kInt},
                                                          {"/start_up/restarts", kInt},
                                                          {"/start_up/origin", kAmount},
                                                          {"/accuracy/fluid_step", {1e-12, 1}},

@@ -293,7 +293,7 @@ std::string Output::Impl::average(double weight, const Particles& particles, dou
   averages_->add(weight, fluid_, particles);
   walls_.add(weight);
   if (settings_.until > 0 && averages_->samples_to_full_batch() == 0)
-    sure_enough_ = averages_->error().within(settings_.until);
+    sure_enough_ = (!start_up_ || start_up_->has_looked()) && averages_->error().within(settings_.until);
   return news;
 }
 

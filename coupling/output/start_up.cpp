@@ -65,7 +65,7 @@ StartUp::StartUp(double longest) : longest_(longest) {
 void StartUp::begin_series(double time, double next_look) {
   state_.origin = time, state_.held = -1;
   state_.bins = 0, state_.bin_length = 1, state_.bin_samples = 0;
-  state_.next_look = next_look;
+  state_.looks = 0, state_.next_look = next_look;
   state_.series.assign(std::size_t(kBins) * kColumns, 0.0);
 }
 
@@ -132,6 +132,7 @@ std::string StartUp::look_for_drift(double time) {
   StartUpState& s = state_;
   if (s.bins % kGroups != 0 || s.bins < kLeastBins || time < s.next_look) return "";
   s.next_look = time + (time - s.origin);
+  ++s.looks;
   for (int q = 0; q < kFlowNumbers; ++q) {
     const std::vector<double> means = means_of(q);
     std::vector<double> groups(kGroups, 0.0);

@@ -34,6 +34,7 @@ struct StartUpState {
   long long bin_length = 1;   // samples
   long long bin_samples = 0;  // in the one being filled
   double next_look = 0;       // for a drift (s)
+  int looks = 0;              // for a drift, of this series
   int restarts = 0;
   std::vector<double> fine;    // of each number, scatter that doesn't count; of start-up
   std::vector<double> series;  // a row a bin, kFlowNumbers sums and their weight (s)
@@ -41,8 +42,8 @@ struct StartUpState {
   template <class S, class F>
   static void for_each_entry(S& s, F&& f) {
     f("begun", s.begun), f("origin", s.origin), f("held", s.held), f("bins", s.bins), f("bin_length", s.bin_length);
-    f("bin_samples", s.bin_samples), f("next_look", s.next_look), f("restarts", s.restarts), f("fine", s.fine),
-        f("series", s.series);
+    f("bin_samples", s.bin_samples), f("next_look", s.next_look), f("looks", s.looks), f("restarts", s.restarts),
+        f("fine", s.fine), f("series", s.series);
   }
 };
 
@@ -59,6 +60,8 @@ class StartUp {
   std::string add(double time, double weight, const FlowNumbers& numbers);
   bool over() const { return state_.begun >= 0; }
   double begun() const { return state_.begun; }
+  /// Whether means have been taken for long enough to tell a drift: as long as start-up was.
+  bool has_looked() const { return state_.looks > 0; }
   StartUpState& state() { return state_; }
 
  private:

@@ -171,7 +171,7 @@ void parse_output(const Line& line) {
       out.average_from =
           out.average_auto ? 0 : words.number("output average from", "a time in s, at least 0, or auto", kTimes);
       if (words.take_if("until"))
-        out.until = words.number("output average until", "a relative standard error", kErrors);
+        out.until = words.number("output average until", "a relative standard error above 0, such as 0.02", kErrors);
     } else {
       break;
     }
