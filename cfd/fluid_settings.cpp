@@ -118,6 +118,10 @@ void FluidSettings::check_flow(const FineGrid& grid) const {
     }
   }
   if (outlet) return;
+  for (const Body& body : bodies)
+    if (body.blow.on)
+      refuse("solid " + body.name + " blow", "gas that comes into the domain, and no outlet",
+             "a side or patch with 'pressure 0'");
   if (std::abs(in - out) > 1e-9 * std::max(in, out))
     refuse("boundary", text_of("inlets that bring ", in, " m3/s and take ", out, " m3/s, and no outlet"),
            "a side or patch with 'pressure 0', or inlets that balance");

@@ -42,6 +42,15 @@ FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layo
   properties_.viscosity.number = settings_.viscosity;
   if (settings_.wall_stress && !settings_.bodies.empty())
     wall_stress_ = std::make_unique<WallStress>(domain_, settings_.bodies, state_, properties_.viscosity);
+  update_velocities();
+}
+
+/// Of sides and walls, as they are now.
+void FluidSolver::update_velocities() {
+  if (!domain_.update_velocities()) return;
+  predictor_.renew_walls();
+  body_forces_.renew_walls();
+  if (wall_stress_) wall_stress_->renew_walls(domain_.blowing->velocity());
 }
 
 FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps, const Interphase& exchange) {
@@ -52,7 +61,7 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
   if (state_.largest_viscosity == 0) update_properties(state_.u);  // for the first step's length
   double done = 0;
   while (done < interval * (1 - 1e-12)) {
-    domain_.boundaries.update();
+    update_velocities();
     Step step = time_step_.choose(state_, interval - done, interval);
     for (;;) {
       next_level(domain_, eps, std::min(1.0, (done + step.dt) / interval), interval, state_);
@@ -79,6 +88,8 @@ FluidReport FluidSolver::advance(double interval, const VoidFractionInTime& eps,
       body_forces_.add(step.dt / interval, state_, properties_.viscosity, predictor_.lost_convection(),
                        predictor_.lost_stress(), predictor_.exceeding(), predictor_.sliver_drag(),
                        predictor_.sliver_pull());
+    if (domain_.blowing)
+      body_forces_.add_blown(step.dt / interval, settings_.convection == Convection::kNone ? 0 : settings_.density);
     if (step.implicit_viscosity) projection_.rotate_pressure(properties_.viscosity, state_);
     for (auto& model : models_) model->step(domain_, step, state_);
     done += step.dt;
@@ -162,7 +173,7 @@ void FluidSolver::start(const CellField<FineGrid>& eps) {
   state_.p.fill(initial_pressure(settings_));
   state_.phi.fill(0);
   set_initial_velocity(domain_, settings_, state_.u);
-  domain_.boundaries.update();
+  update_velocities();
   domain_.fill(state_.u);
   make_continuous();
   state_.u_old = state_.u;
@@ -180,7 +191,7 @@ void FluidSolver::make_continuous() {
 }
 
 void FluidSolver::restored() {
-  domain_.boundaries.update();
+  update_velocities();
 }
 
 void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const CellField<FineGrid>& p,
@@ -188,7 +199,7 @@ void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const Cel
                             const CellField<FineGrid>& eps_previous) {
   state_.time = time;
   state_.dt_previous = dt_previous, state_.dt_older = 0;
-  domain_.boundaries.update();
+  update_velocities();
   for (int d = 0; d < 3; ++d)
     copy(u[d], state_.u[d], domain_.faces[d]), copy(u_previous[d], state_.u_old[d], domain_.faces[d]);
   domain_.fill(state_.u);

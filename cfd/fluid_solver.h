@@ -65,6 +65,8 @@ class FluidSolver : public Fluid {
     if (domain_.measures.open()) return state_.eps_open;
     return state_.eps[0];
   }
+  /// What bodies blow into the fluid; null where nothing does.
+  const Blowing* blowing() const { return domain_.blowing.get(); }
   /// What is said of the bodies in the grid; null without bodies.
   const CutReport* cut() const { return domain_.cut(); }
   const OpenShares* open_shares() const override { return domain_.measures.open(); }
@@ -72,7 +74,8 @@ class FluidSolver : public Fluid {
   bool knows_last_step() const override { return true; }
   double flux(int d, int i, int j, int k) const override { return state_.eps_f[d](i, j, k) * state_.u[d](i, j, k); }
   double void_fraction_rate(int i, int j, int k) const override {
-    return state_.rate.at(state_.eps, state_.p.index(i, j, k), domain_.measures.open_share(i, j, k));
+    const double rate = state_.rate.at(state_.eps, state_.p.index(i, j, k), domain_.measures.open_share(i, j, k));
+    return domain_.blowing ? rate - domain_.blowing->rate()(i, j, k) : rate;
   }
 
   void start(const CellField<FineGrid>& eps) override;
@@ -123,6 +126,7 @@ class FluidSolver : public Fluid {
 
  private:
   void make_continuous();
+  void update_velocities();
   void update_properties(const FaceField<FineGrid>& u);
   void check_finite(double cfl, const Step& step) const;
   void accept(const Step& step);

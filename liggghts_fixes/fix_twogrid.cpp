@@ -27,6 +27,7 @@
 #include "liggghts_fixes/liggghts/scene_facts.h"
 #include "liggghts_fixes/liggghts/unsupported.h"
 #include "liggghts_fixes/liggghts/watchers.h"
+#include "liggghts_fixes/report/body_lines.h"
 #include "liggghts_fixes/report/memory_need.h"
 #include "liggghts_fixes/report/open_areas.h"
 #include "liggghts_fixes/report/scene_report.h"
@@ -43,7 +44,10 @@ namespace twogrid {
 using namespace LAMMPS_NS;
 
 FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg)
-    : Fix(lammps, narg, arg), names_(*lammps, script_, id), bodies_(*lammps, script_, groupbit), watch_(*lammps, id) {
+    : Fix(lammps, narg, arg),
+      names_(*lammps, script_, id),
+      bodies_(*lammps, script_, names_, groupbit),
+      watch_(*lammps, id) {
   guarded([&] {
     script_ = parse_fix(id, std::vector<std::string>(arg + 3, arg + narg));
     refuse_unsupported(*lmp, id, kStyle);
@@ -130,6 +134,7 @@ void FixTwogrid::look_at_bodies(SceneFacts& facts) const {
   if (s.bodies.empty()) return;
   bodies_.find_known(facts.walls, s, fluid_->grid());
   facts.open_area = open_areas(world, s, *fluid_);
+  facts.drawn_blowing = bodies_.drawn_areas(s, fluid_->grid());
   if (coupling_->open_nodes()) facts.nodes = coupling_->open_nodes()->figures();
   if (fluid_->cut()) facts.cut = *fluid_->cut();
 }
@@ -416,6 +421,7 @@ void FixTwogrid::post_run() {
     if (times_.done(update->ntimestep) > 0) watch_.say(times + "\n");
     watch_.warn_of_unused_options("-", "");
     if (accuracy_.on()) watch_.say(accuracy_text(accuracy_) + "\n");
+    for (const std::string& sentence : blown_lines(script_, *fluid_)) watch_.say("twogrid: " + sentence + "\n");
     Particles p = particles();
     coupling_->rest(p);
   });

@@ -27,7 +27,7 @@ add_test(NAME fuzz COMMAND fuzz --tries 2000)
 set_tests_properties(fuzz PROPERTIES TIMEOUT 120 LABELS unit)
 # Three entries of about the same time, so that processors share them.
 set(MADE_UP Manufactured.*:StretchedGrid.*:Cavity.*:Central.*)
-set(OF_BODIES Bodies.*:BodiesAtAnAngle.*:BodiesInArrays.*:BodiesInFlow.*)
+set(OF_BODIES Blowing.SourceFlow:Bodies.*:BodiesAtAnAngle.*:BodiesInArrays.*:BodiesInFlow.*)
 twogrid_test(NAME verification RANKS 1 TIMEOUT 400 LABELS verification
              COMMAND $<TARGET_FILE:verification_tests> --gtest_filter=-${MADE_UP}:${OF_BODIES})
 twogrid_test(NAME verification_orders RANKS 1 TIMEOUT 400 LABELS verification
@@ -71,6 +71,7 @@ system_test(bad_input RANKS 1 TIMEOUT 400)
 set_tests_properties(bad_input PROPERTIES RUN_SERIAL ON)  # it has a limit of 5 s a script
 system_test(bodies RANKS 1 2 4)
 system_test(moving_walls RANKS 2)
+system_test(blowing RANKS 2)
 system_test(other_vessels RANKS 2)
 system_test(turned_bed RANKS 1)
 system_test(bad_bodies RANKS 1)

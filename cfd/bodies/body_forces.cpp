@@ -39,7 +39,8 @@ BodyForces::BodyForces(const FluidDomain& domain, const CutLinks* cut) : domain_
                                       p.conductance / open->theta_f()[p.component].data()[m],
                                       p.velocity,
                                       domain.measures.open_share_above(p.component, p.face[0], p.face[1], p.face[2]),
-                                      {p.point[0] - centre[0], p.point[1] - centre[1], p.point[2] - centre[2]}});
+                                      {p.point[0] - centre[0], p.point[1] - centre[1], p.point[2] - centre[2]},
+                                      int(&p - open->pieces().data())});
   }
   list_cells(*open);
   add_halves(*open);
@@ -165,7 +166,28 @@ std::vector<BodyForces::Nearest> BodyForces::bodies_near(int c, const std::vecto
 }
 
 void BodyForces::begin() {
-  for (BodyForce& f : force_) f.friction = f.pressure = f.convection = f.torque = {0, 0, 0};
+  for (BodyForce& f : force_) {
+    f.friction = f.pressure = f.convection = f.torque = f.carried = {0, 0, 0};
+    f.blown = 0;
+  }
+}
+
+void BodyForces::add_blown(double share, double rho) {
+  const Blowing& blowing = *domain_.blowing;
+  blowing.for_each_body(rho, [&](std::size_t b, const Vec3& carried, const Vec3& kept) {
+    if (b >= force_.size()) return;
+    force_[b].blown += share * blowing.velocity()[b] * blowing.area()[b];
+    for (int d = 0; d < 3; ++d) force_[b].carried[d] += share * carried[d], force_[b].convection[d] += share * kept[d];
+  });
+}
+
+void BodyForces::renew_walls() {
+  const OpenShares& open = *domain_.measures.open();
+  for (int c = 0; c < 3; ++c) {
+    for (Piece& p : pieces_[c]) p.velocity = open.pieces()[p.piece].velocity;
+    for (std::size_t q = 0; q < wall_velocity_[c].size(); ++q)
+      wall_velocity_[c][q] = open.wall_velocity(c, open.without_convection(c)[q]);
+  }
 }
 
 inline void BodyForces::add_friction(const Nearest& to, int c, double F) {
@@ -232,11 +254,16 @@ void BodyForces::end() {
     for (const Vec3* v : {&f.friction, &f.pressure, &f.convection, &f.torque})
       sum.insert(sum.end(), v->begin(), v->end());
   if (sum.empty()) return;
+  if (domain_.blowing)
+    for (const BodyForce& f : force_) sum.insert(sum.end(), f.carried.begin(), f.carried.end());
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), int(sum.size()), MPI_DOUBLE, MPI_SUM, domain_.comm);
   const double* s = sum.data();
   for (BodyForce& f : force_)
     for (Vec3* v : {&f.friction, &f.pressure, &f.convection, &f.torque})
       for (double& x : *v) x = *s++;
+  if (!domain_.blowing) return;
+  for (BodyForce& f : force_)
+    for (double& x : f.carried) x = *s++;
 }
 
 }  // namespace twogrid

@@ -39,6 +39,10 @@ class BodyForces {
   /// these along against friction and drag.
   void add(double share, const FluidState& state, const Property& mu, const Lost& convection, const Lost& stress,
            const Lost& exceeding, const Lost& drag, const Lost& pull);
+  /// The same of what the bodies blow (domain's blowing), which must be there.
+  void add_blown(double share, double rho);
+  /// Walls' velocities have changed (OpenShares::set_blowing).
+  void renew_walls();
   /// Sums over ranks. Collective.
   void end();
   /// Means over the last interval, the same on all ranks.
@@ -54,6 +58,7 @@ class BodyForces {
     double velocity;     // of the wall (m/s)
     double above;        // share of the upper cell in its viscosity
     Vec3 arm;            // from the body's centre (m)
+    int piece;           // in the list of them
   };
   struct Pressed {
     std::ptrdiff_t cell;

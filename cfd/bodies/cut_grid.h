@@ -38,6 +38,7 @@ struct CutReport {
     double area = 0;      ///< of its surface in the fluid as resolved (m2)
     double volume = 0;    ///< closed by it, inside the domain (m3)
     long long cells = 0;  ///< cut by it
+    double blown = 0;     ///< of its area, that blows (m2)
   };
   std::vector<OfBody> bodies;
   double open_volume = 0;                                   ///< m3

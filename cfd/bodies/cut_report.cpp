@@ -57,7 +57,7 @@ void sum_up(const LocalGrid& g, const Surfaces& surfaces, const CutEdges& edges,
             const OpenSpace& space, CutReport& report) {
   const std::vector<int> body_of = bodies_of_parts(g, surfaces, edges, vertices);
   const std::size_t n = surfaces.bodies().size();
-  enum { kOpen, kClosed, kSlivers, kCommon, kArea = 0, kVolume, kCells, kOfBody };
+  enum { kOpen, kClosed, kSlivers, kCommon, kArea = 0, kVolume, kCells, kBlown, kOfBody };
   std::vector<double> sum(kCommon + n * kOfBody, 0.0);
   const auto of = [&](int body, int what) -> double& { return sum[kCommon + std::size_t(body) * kOfBody + what]; };
   for (int d = 0; d < 3; ++d) report.open_layers[d].assign(g.grid.axis[d].n(), 0.0);
@@ -65,6 +65,7 @@ void sum_up(const LocalGrid& g, const Surfaces& surfaces, const CutEdges& edges,
     for_each(g.own_faces[d], [&](int i, int j, int k) {
       if (space.links[d](i, j, k) & OpenSpace::kSliver) ++sum[kSlivers];
     });
+  for (const OpenSpace::BlownCell& c : space.blown_cells) of(c.body, kBlown) += c.size;
   for (const WallCell& w : space.surface) of(w.body, kArea) += size(w.area), ++of(w.body, kCells);
   for_each(g.own, [&](int i, int j, int k) {
     const Int3 cell{i, j, k};
@@ -94,7 +95,7 @@ void sum_up(const LocalGrid& g, const Surfaces& surfaces, const CutEdges& edges,
   report.slivers = static_cast<long long>(sum[kSlivers]);
   for (std::size_t b = 0; b < n; ++b)
     report.bodies.push_back({surfaces.bodies()[b].name, of(int(b), kArea), of(int(b), kVolume),
-                             static_cast<long long>(of(int(b), kCells))});
+                             static_cast<long long>(of(int(b), kCells)), of(int(b), kBlown)});
 }
 
 }  // namespace twogrid

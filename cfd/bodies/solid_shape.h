@@ -3,6 +3,7 @@
 // the whole surface.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -40,6 +41,14 @@ struct SurfaceMotion {
   }
 };
 
+/// Gas that a body's surface blows into the fluid, normal to itself: a sparger, a porous plate (fluid/blowing.h).
+struct Blow {
+  bool on = false;
+  double velocity = 0;                     ///< m3/s through a m2 of the surface, at least 0
+  std::function<double()> velocity_now;    ///< if set, gives the velocity at each fluid step
+  std::function<bool(const Vec3&)> where;  ///< which points of the surface blow; empty: all
+};
+
 /// One body as the user names it.
 struct Body {
   std::string name;
@@ -47,6 +56,7 @@ struct Body {
   bool slip = false;
   bool sheet = false;  ///< fluid on both sides (sheets.h)
   SurfaceMotion motion = {};
+  Blow blow = {};
 };
 
 }  // namespace twogrid

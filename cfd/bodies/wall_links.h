@@ -30,14 +30,13 @@ class WallLinks {
   double wall_size(const Int3& cell) const;
   double way(int c, const Int3& face, int d, bool up) const;
   double aperture(int c, const Int3& face, int d, bool up) const;
-  void link(int c, const Int3& face, int d, bool up, double centre, unsigned char& bits,
-            std::vector<WallPiece>& pieces) const;
+  void link(int c, const Int3& face, int d, bool up, double centre, unsigned char& bits, OpenSpace& space) const;
   /// The wall nearest to the open part of a face; its distance is at least kLeast.
   Surfaces::Foot wall_near(int c, const Int3& face) const;
   double centre(int c, const Int3& face) const;
   double viscous(int c, const Int3& face, unsigned char bits) const;
   Sliver sliver(int c, const Int3& face) const;
-  void own_wall(int c, const Int3& face, std::vector<WallPiece>& pieces) const;
+  void own_wall(int c, const Int3& face, OpenSpace& space) const;
   void add(std::vector<WallPiece>& pieces, int body, int c, const Int3& face, double conductance, const Vec3& point,
            const Vec3& shift) const;
   /// Of the wall nearest to a face: its motion goes on as a rigid body's.
@@ -49,7 +48,23 @@ class WallLinks {
   Vec3 velocity(const Rigid& of, const Vec3& x) const;
   /// Where a face's velocity is: its centre, or that of its open part.
   Vec3 place(int c, const Int3& face) const;
+  bool near_cut(int c, const Int3& face) const;
   void beside_moving(int c, const Int3& face, OpenSpace& space) const;
+  /// The wall nearest to a face, if it blows there, and its normal into the fluid.
+  struct Blowing {
+    int body = -1;
+    Vec3 normal{0, 0, 0};
+  };
+  Blowing blowing(int c, const Int3& face) const;
+  Vec3 blown_at_centre(int c, const Int3& face, const Blowing& beside, double centre) const;
+  bool blows(int body, const Vec3& point, const Vec3& shift) const;
+  double blown_share(const Int3& cell, int body) const;
+  Vec3 normal_at(const Vec3& point, int body, const Vec3& about, double width) const;
+  double least_width(int c, const Int3& face) const;
+  void blow_piece(const WallPiece& piece, const Blowing& beside, const Vec3& shift, const Vec3& towards, double centre,
+                  OpenSpace& space) const;
+  void blow_sliver(const Sliver& sliver, OpenSpace& space) const;
+  void blow_face(int c, const Int3& face, OpenSpace& space) const;
 
   const LocalGrid& grid_;
   const Surfaces& surfaces_;
@@ -59,7 +74,7 @@ class WallLinks {
   const Array3<char>& beside_sheets_;
   Array3<unsigned char> cut_;
   std::array<Array3<Node>, 3> node_;
-  bool moving_ = false;  // some wall
+  bool moving_ = false, blowing_ = false;  // some wall
 };
 
 }  // namespace twogrid

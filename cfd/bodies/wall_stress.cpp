@@ -85,6 +85,16 @@ class WallStress::Feet {
   Vec3 wall_velocity(const Surfaces::Foot& foot, const Vec3& x) const {
     return surfaces_.bodies()[foot.body].motion.at(x);
   }
+  /// Whether the body of a foot blows there.
+  bool blows(const Surfaces::Foot& foot) const {
+    const Blow& blow = surfaces_.bodies()[foot.body].blow;
+    Vec3 point = foot.point;
+    for (int d = 0; d < 3; ++d) point[d] -= foot.shift[d];
+    return blow.on && (!blow.where || blow.where(point));
+  }
+  bool any_blows() const {
+    return std::any_of(surfaces_.bodies().begin(), surfaces_.bodies().end(), [](const Body& b) { return b.blow.on; });
+  }
   /// Of a cell's centre (component -1) or a face's; beyond periodic sides not wrapped.
   Vec3 position(const Int3& x, int component) const {
     Vec3 at;
@@ -232,6 +242,8 @@ void WallStress::fit_friction(const Place& place, const std::vector<Int3>& cells
   WallFit fit(10);
   std::vector<Weight> found;
   std::vector<double> wall;
+  const std::size_t first_blown = blown_.size();
+  const bool any_blows = feet.any_blows();
   for (const Int3& x : faces) {
     const std::ptrdiff_t m = open.theta().index(x[0], x[1], x[2]);
     if (domain_.boundaries.state(c).data()[m] != FaceState::kSolved || !(open.theta_f()[c].data()[m] > 0) ||
@@ -251,13 +263,25 @@ void WallStress::fit_friction(const Place& place, const std::vector<Int3>& cells
             {n, n * s, n * t, n * n, n * s * s, n * s * t, n * t * t, n * n * s, n * n * t, n * n * n});
     found.push_back({m, open.centre(c, m)});
     wall.push_back(feet.wall_velocity(foot, here)[c] - open.drift(c, m));
+    if (any_blows)
+      blown_.push_back({of_wall_.size() - 1, c, foot.body, m, 0, feet.wall_velocity(foot, here)[c],
+                        feet.blows(foot) ? out[c] / foot.distance : 0.0});
   }
   const std::vector<double> weights = fit.of_first();
   for (std::size_t q = 0; q < found.size(); ++q) {
     const double w = weights[q] / place.across;
     slope_[c].list.push_back({found[q].at, w * found[q].weight});
     of_wall_.back()[c] += w * wall[q];
+    if (any_blows) blown_[first_blown + q].weight = w;
   }
+}
+
+void WallStress::renew_walls(const std::vector<double>& velocity) {
+  const OpenShares& open = *domain_.measures.open();
+  for (const OfWall& w : blown_) of_wall_[w.facet][w.component] = 0;
+  for (const OfWall& w : blown_)
+    of_wall_[w.facet][w.component] +=
+        w.weight * (w.at_rest + velocity[w.body] * w.share - open.drift(w.component, w.face));
 }
 
 void WallStress::fit_pressure(const Place& place, const Wide& shares, const Feet& feet) {

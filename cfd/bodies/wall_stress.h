@@ -36,6 +36,8 @@ class WallStress {
   WallStress(const FluidDomain& domain, const std::vector<Body>& bodies, const FluidState& state,
              const Property& viscosity);
 
+  /// Velocities of walls that blow have changed (OpenShares::set_blowing): that of each body.
+  void renew_walls(const std::vector<double>& velocity);
   const std::vector<WallFacet>& facets() const { return facets_; }
   /// On the body, N/m2.
   Vec3 friction(std::size_t facet) const;
@@ -90,6 +92,14 @@ class WallStress {
   std::vector<char> slip_;     // of facets
   std::vector<Vec3> normal_;   // of the surface itself
   std::vector<Vec3> of_wall_;  // what the wall's own velocity takes from the slope, 1/s
+  /// What of_wall_ is made of, where some body blows.
+  struct OfWall {
+    std::size_t facet;
+    int component, body;
+    std::ptrdiff_t face;
+    double weight, at_rest, share;  // 1/m; wall's velocity of its motion (m/s); share of the body's velocity in it
+  };
+  std::vector<OfWall> blown_;
   std::array<Weights, 3> slope_;
   Weights pressure_;
   BlockExchange wide_;

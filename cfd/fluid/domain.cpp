@@ -1,5 +1,6 @@
 #include "cfd/fluid/domain.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -86,6 +87,9 @@ void FluidDomain::make_open_shares() {
     face_halo.bring(held.drift);
     boundaries.apply(held.drift, true);
   }
+  const auto blows = [](const Body& b) { return b.blow.on; };
+  const bool blown = std::any_of(settings_.bodies.begin(), settings_.bodies.end(), blows);
+  if (blown) bring_blown_faces(space, held);
   for (int d = 0; d < 3; ++d)
     for_each(faces[d], [&](int i, int j, int k) {
       const bool open = alpha[d](i, j, k) > 0;
@@ -128,9 +132,37 @@ void FluidDomain::make_open_shares() {
   held.slivers = std::move(space.slivers), held.beside = std::move(space.beside);
   held.pieces = std::move(space.pieces), held.surface = std::move(space.surface);
   held.outlines = std::move(space.outlines);
+  held.blown_pieces = std::move(space.blown_pieces), held.blown_slivers = std::move(space.blown_slivers);
   held.volume = sums[4];
-  measures.set_open(std::make_unique<const OpenShares>(measures, local, own, faces, solved, std::move(held)));
+  auto made = std::make_unique<OpenShares>(measures, local, own, faces, solved, std::move(held));
+  shares_ = made.get();
+  measures.set_open(std::move(made));
   boundaries.close_faces(comm, *measures.open());
+  if (blown) blowing = std::make_unique<Blowing>(*this, settings_.bodies, space.blown_cells);
+}
+
+void FluidDomain::bring_blown_faces(const OpenSpace& space, OpenShares::Held& held) const {
+  for (int d = 0; d < 3; ++d) {
+    held.blown_body[d].reset(local, -1.0), held.blown_velocity[d].reset(local), held.blown_drift[d].reset(local);
+    for (const OpenSpace::BlownFace& f : space.blown_faces) {
+      if (f.component != d) continue;
+      const std::ptrdiff_t m = held.blown_body[d].index(f.face[0], f.face[1], f.face[2]);
+      held.blown_body[d].data()[m] = f.body;
+      held.blown_velocity[d].data()[m] = f.velocity, held.blown_drift[d].data()[m] = f.drift;
+    }
+  }
+  extend_faces(held.blown_body);
+  extend_faces(held.blown_velocity);
+  // As with the walls' own drift.
+  face_halo.bring(held.blown_drift);
+  boundaries.apply(held.blown_drift, true);
+}
+
+bool FluidDomain::update_velocities() {
+  boundaries.update();
+  if (!blowing || !blowing->update(*this)) return false;
+  shares_->set_blowing(blowing->velocity());
+  return true;
 }
 
 /// K' of own faces: of the pieces, where there are any; else as given.

@@ -7,6 +7,7 @@
 
 #include "cfd/bodies/cut_grid.h"
 #include "cfd/boundary/boundaries.h"
+#include "cfd/fluid/blowing.h"
 #include "cfd/grid/field.h"
 #include "cfd/grid/layout.h"
 #include "cfd/measures/grid_measures.h"
@@ -31,6 +32,7 @@ struct FluidDomain {
   GridMeasures measures;
   const BlockExchange cell_halo;
   const FaceExchange face_halo;
+  std::unique_ptr<Blowing> blowing;  ///< null where nothing blows
 
   /// Halo, prescribed faces and ghosts of a velocity; halo of a cell field. Collective.
   void fill(FaceField<FineGrid>& u) const;
@@ -41,17 +43,22 @@ struct FluidDomain {
   double cells() const;   ///< of the whole domain, number
   /// What is said of the bodies in the grid; null without bodies.
   const CutReport* cut() const { return cut_.get(); }
+  /// Velocities of sides and of what bodies blow, of now. True if the latter have changed: what is kept of walls'
+  /// velocities must then be taken anew. Same on all ranks.
+  bool update_velocities();
   /// True where the side or one of its patches is of the kind.
   bool has(int side, BoundaryKind kind) const;
 
  private:
   void make_open_shares();
   void add_up_friction(const OpenSpace& space, bool of_pieces, OpenShares::Held& held) const;
+  void bring_blown_faces(const OpenSpace& space, OpenShares::Held& held) const;
   void bring_links(const OpenSpace& space, OpenShares::Held& held) const;
   void extend_faces(FaceField<FineGrid>& f) const;
 
   const FluidSettings& settings_;
   std::unique_ptr<const CutReport> cut_;
+  OpenShares* shares_ = nullptr;  // those of measures
 };
 
 inline void reset(FaceField<FineGrid>& f, const Box& box) {

@@ -50,7 +50,11 @@ TWOGRID_VECTORISED void Monitors::largest_imbalance(const FluidState& state, dou
     }
   };
   for_each_row(domain_.own, domain_.measures.open_cells(), state.p, [&](const Int3& q, std::ptrdiff_t m, int n) {
-    if (open)
+    if (domain_.blowing)
+      add_row(q, m, n,
+              [excess = rate.excess, theta = open->theta().data() + m,
+               blown = domain_.blowing->rate().data() + m](int i) { return excess * theta[i] + blown[i]; });
+    else if (open)
       add_row(q, m, n, [excess = rate.excess, theta = open->theta().data() + m](int i) { return excess * theta[i]; });
     else
       add_row(q, m, n, [excess = rate.excess](int) { return excess; });
@@ -69,6 +73,12 @@ void Monitors::measure(const FluidState& state, double inlet_head, double veloci
   std::array<double, 7> sum{0, 0, 0, 0, 0, 0, 0};  // inflow, outflow, displaced, p A and A at inlets, at outlets
   largest_imbalance(state, worst, sum[2]);
   sum[3] = inlet_head;
+  if (domain_.blowing) {
+    // The surface is an inlet inside the domain; what enters there is no displaced volume.
+    const double in = domain_.blowing->own_flow();
+    sum[0] += in, sum[2] -= in;
+    domain_.blowing->add_pressure(state.p, sum[3], sum[4]);
+  }
   for (int side = 0; side < 6; ++side) {
     if (!domain_.has(side, BoundaryKind::kInlet) && !domain_.has(side, BoundaryKind::kPressure))
       continue;  // nothing passes a wall

@@ -52,6 +52,8 @@ Predictor::Predictor(FluidDomain& domain, const FluidSettings& settings)
                            domain.measures.volume(d, s.face[0], s.face[1], s.face[2]),
                            s.drift,
                            s.velocity,
+                           int(&s - open->slivers().data()),
+                           domain.measures.axis(d).above_share_[s.face[d] - domain.measures.axis(d).lo],
                            {}});
     for (int q = 0; q < 6; ++q)
       if (s.share[q] > 0)
@@ -64,11 +66,25 @@ Predictor::Predictor(FluidDomain& domain, const FluidSettings& settings)
         domain.boundaries.state(p.component).data()[m] == FaceState::kSolved)
       moving_walls_[p.component].push_back(
           {m, domain.measures.open_share_above(p.component, p.face[0], p.face[1], p.face[2]),
-           p.conductance * p.velocity / theta_f});
+           p.conductance * p.velocity / theta_f, int(&p - open->pieces().data()), theta_f});
   }
 }
 
 Predictor::~Predictor() = default;
+
+void Predictor::renew_walls() {
+  const OpenShares& open = *domain_.measures.open();
+  for (int d = 0; d < 3; ++d) {
+    for (Following& f : slivers_[d])
+      f.drift = open.slivers()[f.sliver].drift, f.velocity = open.slivers()[f.sliver].velocity;
+    for (MovingWall& w : moving_walls_[d]) {
+      const WallPiece& p = open.pieces()[w.piece];
+      w.push = p.conductance * p.velocity / w.theta_f;
+    }
+  }
+  convection_.renew_walls(open);
+  viscous_.renew_walls();
+}
 
 void Predictor::extrapolate(const FluidState& state, const Step& step, FaceField<FineGrid>& u_tilde) const {
   for (int d = 0; d < 3; ++d)
@@ -179,7 +195,7 @@ void Predictor::list_friction(const OpenShares& open) {
 
 /// mu K' of faces: the friction of bodies' walls. Slivers, which no convection slows, have the drag 1/2 rho u^2 of their
 /// open part besides, and so never go faster than the pressure of a cell could drive them.
-void Predictor::set_wall_friction(const Property& mu, const FaceField<FineGrid>& u_tilde) {
+void Predictor::set_wall_friction(const Property& mu, const FluidState& state, const FaceField<FineGrid>& u_tilde) {
   const OpenShares* open = domain_.measures.open();
   if (!open || !(open->has_friction() || open->has_links())) return;
   const double* cell = mu.varies() ? mu.field().data() : nullptr;
@@ -207,6 +223,14 @@ void Predictor::set_wall_friction(const Property& mu, const FaceField<FineGrid>&
       const double still = drag;
       drag = 0.5 * settings_.density * std::abs(u_tilde[d].data()[m] - s.velocity) * sliver_inverse_width_[d][s.place];
       friction_[d].data()[m] += drag - still;
+    }
+    if (!domain_.blowing) continue;
+    const double* rate = domain_.blowing->rate().data();
+    for (const Following& s : slivers_[d]) {
+      const std::ptrdiff_t m = faces[s.place], below = m - state.p.stride(d);
+      const double held =
+          settings_.density * (rate[below] + s.above * (rate[m] - rate[below])) / state.inertia_share()[d].data()[m];
+      sliver_drag_[d][s.place] += held, friction_[d].data()[m] += held;
     }
   }
   inertia_.friction = &friction_;
@@ -259,6 +283,7 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
       for_each_row(domain_.faces[d], domain_.measures.open_surroundings(d), rhs[d],
                    [&](const Int3&, std::ptrdiff_t m, int n) { std::fill_n(rhs[d].data() + m, n, 0.0); });
   convection_.add(rho, state.eps_f, u_tilde, settings_.convection, rhs);
+  if (domain_.blowing && settings_.convection != Convection::kNone) domain_.blowing->add_momentum(rho, rhs);
   if (domain_.measures.open()) lose_convection(rhs);
   add_moving_walls(mu, state, rhs);
   measure_inlet_head(state, u_tilde);
@@ -274,7 +299,7 @@ const Inertia& Predictor::predict(FluidState& state, const Step& step, const Flu
   for (int d = 0; gap && d < 3; ++d)
     if (!domain_.solved[d]) friction = 12 * mu.number / (domain_.grid.axis[d].length() * domain_.grid.axis[d].length());
   inertia_.per_eps = rho * step.a0 / step.dt + friction;
-  set_wall_friction(mu, u_tilde);
+  set_wall_friction(mu, state, u_tilde);
   predict_rows(state, step, exchange, rhs, u_next);
   for (int d = 0; d < 3; ++d)
     if (!domain_.solved[d]) u_next[d].fill(0);

@@ -24,6 +24,8 @@ class Predictor {
   Predictor(FluidDomain& domain, const FluidSettings& settings);
   ~Predictor();
 
+  /// Walls' velocities have changed (OpenShares::set_blowing).
+  void renew_walls();
   /// u~ with halo and ghosts.
   void extrapolate(const FluidState& state, const Step& step, FaceField<FineGrid>& u_tilde) const;
   /// u* on own faces, and A. Sets the ghosts of p^n. Collective where viscosity is implicit.
@@ -49,7 +51,7 @@ class Predictor {
  private:
   void list_friction(const OpenShares& open);
   void add_moving_walls(const Property& mu, const FluidState& state, FaceField<FineGrid>& rhs);
-  void set_wall_friction(const Property& mu, const FaceField<FineGrid>& u_tilde);
+  void set_wall_friction(const Property& mu, const FluidState& state, const FaceField<FineGrid>& u_tilde);
   void lose_convection(FaceField<FineGrid>& rhs);
   void drag_slivers_along(const FluidState& state, const Interphase& exchange, FaceField<FineGrid>& u_next);
   void measure_inlet_head(const FluidState& state, const FaceField<FineGrid>& u_tilde);
@@ -71,6 +73,8 @@ class Predictor {
     int place;  // in the list of faces that take no part in convection
     Int3 face;
     double volume, drift, velocity;                     // of the wall (Sliver)
+    int sliver;                                         // its place in the list of them
+    double above;                                       // share of the upper cell in its volume
     std::vector<std::pair<std::ptrdiff_t, double>> of;  // shares of other faces' velocities
   };
   std::array<std::vector<Following>, 3> slivers_;
@@ -84,6 +88,8 @@ class Predictor {
     std::ptrdiff_t face;
     double above;  // share of the upper cell in its viscosity
     double push;   // conductance u_w over theta_f (m2/s)
+    int piece;     // of the surface
+    double theta_f;
   };
   std::array<std::vector<MovingWall>, 3> moving_walls_;
   FaceField<FineGrid> friction_;  // mu K' and slivers' drag, only where bodies are

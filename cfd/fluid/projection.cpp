@@ -101,6 +101,7 @@ int Projection::project(FluidState& state, const Step& step, const Inertia& iner
   double scale = 0, sum = 0;
   state.rate = {step.a0 / step.dt, step.a1 / step.dt, step.a2 / step.dt, 0};
   missing_continuity(state, u_next, scale, sum);
+  if (domain_.blowing) domain_.blowing->take_off(imbalance_, sum, scale);
   const double total_volume = domain_.volume();
   double whole = sum;
   Reduction::over_ranks(domain_.comm, {&scale}, {&whole});

@@ -58,6 +58,7 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const Box
       open = ratio_[d].data()[m] = 0;
     }
   }
+  if (held.blown_body[0].size() > 0) list_blown(held);
   cells_ = OpenRows(own, OpenRows::kFloats, [&](int i, int j, int k) { return theta_(i, j, k) > 0; });
   for (int d = 0; d < 3; ++d) {
     const FaceComponent<FineGrid>& open = theta_f_[d];  // 0: closed
@@ -86,6 +87,40 @@ double OpenShares::looked_up(const Exceptions& list, std::ptrdiff_t m, double us
   const auto found = std::lower_bound(list.begin(), list.end(), m,
                                       [](const auto& entry, std::ptrdiff_t at) { return entry.first < at; });
   return found != list.end() && found->first == m ? found->second : usual;
+}
+
+/// Numbers that walls which blow have a part in; no list that holds some may change its length after this.
+void OpenShares::list_blown(Held& held) {
+  int bodies = 0;
+  const auto list = [&](double* number, int body, double share) {
+    bodies = std::max(bodies, body + 1);
+    if (share != 0) blown_.push_back({number, body, *number, share});
+  };
+  for (int d = 0; d < 3; ++d) {
+    const Array3<double>& of = held.blown_body[d];
+    const auto add = [&](Exceptions& numbers, const Array3<double>& at_rest, const Array3<double>& share) {
+      numbers.clear();
+      for (std::size_t m = 0; m < of.size(); ++m) {
+        const double rest = at_rest.size() > 0 ? at_rest.data()[m] : 0.0;
+        if (rest != 0 || (of.data()[m] >= 0 && share.data()[m] != 0)) numbers.push_back({std::ptrdiff_t(m), rest});
+      }
+      for (auto& n : numbers)
+        if (of.data()[n.first] >= 0) list(&n.second, int(of.data()[n.first]), share.data()[n.first]);
+    };
+    add(wall_velocity_[d], held.wall_velocity[d], held.blown_velocity[d]);
+    add(drift_[d], held.drift[d], held.blown_drift[d]);
+  }
+  for (const OpenSpace::Blown& b : held.blown_pieces) list(&pieces_[b.place].velocity, b.body, b.velocity);
+  for (const OpenSpace::Blown& b : held.blown_slivers) {
+    list(&slivers_[b.place].velocity, b.body, b.velocity);
+    list(&slivers_[b.place].drift, b.body, b.drift);
+  }
+  set_blowing(std::vector<double>(bodies, 1.0));
+}
+
+void OpenShares::set_blowing(const std::vector<double>& velocity) {
+  for (const BlownNumber& b : blown_) *b.number = b.at_rest;
+  for (const BlownNumber& b : blown_) *b.number += velocity[b.body] * b.share;
 }
 
 /// Mean of theta over the four cells around the edge along t at the low corner of cell x.

@@ -84,6 +84,28 @@ struct OpenSpace {
   std::vector<Beside> beside;
   /// u_r of own faces where their velocities are, and u_r at their centres less `centre` times that. Of size 0: 0.
   FaceField<FineGrid> wall_velocity, drift;
+
+  /// Where bodies blow (Body::blow): what a velocity U of 1 m/s adds to velocities of walls, whose normal is that of the
+  /// nearest point that blows.
+  struct Blown {
+    int body, place;         ///< in bodies; in pieces or slivers
+    double velocity, drift;  ///< shares of U; drift: of slivers
+  };
+  std::vector<Blown> blown_pieces, blown_slivers;
+  struct BlownFace {
+    int body, component;
+    Int3 face;               ///< own
+    double velocity, drift;  ///< shares of U in wall_velocity and drift
+  };
+  std::vector<BlownFace> blown_faces;
+  /// The surface that blows in a cell.
+  struct BlownCell {
+    int body;
+    Int3 cell;         ///< own
+    double size;       ///< its area (m2)
+    Vec3 area, along;  ///< area times normal into the fluid (m2); its own motion along itself (m/s)
+  };
+  std::vector<BlownCell> blown_cells;
 };
 
 /// Fills the shares of the rank's own faces and cells, in which on entry all is open and there is no friction. Called
@@ -106,7 +128,9 @@ class OpenShares {
     std::vector<std::vector<Vec3>> outlines;
     std::vector<OpenSpace::Beside> beside;
     FaceField<FineGrid> wall_velocity, drift;  // of size 0: 0
-    double volume = 0;                         // of the whole domain's open part (m3)
+    std::vector<OpenSpace::Blown> blown_pieces, blown_slivers;
+    FaceField<FineGrid> blown_body, blown_velocity, blown_drift;  // OpenSpace::blown_faces; of size 0: none
+    double volume = 0;                                            // of the whole domain's open part (m3)
   };
   /// own, faces: the rank's own cells and faces.
   OpenShares(const GridMeasures& measures, const Box& local, const Box& own, const std::array<Box, 3>& faces,
@@ -144,6 +168,9 @@ class OpenShares {
   const std::vector<WallCell>& surface() const { return surface_; }
   /// A closed line around each of them; empty unless asked for.
   const std::vector<std::vector<Vec3>>& outlines() const { return outlines_; }
+  /// What walls that blow add to velocities of pieces, slivers and faces: that of each body, m/s. Whoever keeps some of
+  /// these velocities must take them anew. At first all blow with 1 m/s.
+  void set_blowing(const std::vector<double>& velocity);
   bool has_friction() const { return friction_[0].size() > 0; }
   /// K' of own faces.
   const FaceField<FineGrid>& friction() const { return friction_; }
@@ -166,6 +193,7 @@ class OpenShares {
       std::vector<std::pair<std::ptrdiff_t, double>>;  // where a number is not the usual, by memory index
   static Exceptions exceptions(const Array3<double>& field, double usual = 1);
   static double looked_up(const Exceptions& list, std::ptrdiff_t m, double usual = 1);
+  void list_blown(Held& held);
   double theta_around(const GridMeasures& measures, int t, const Int3& x) const;
   void set_edges(const GridMeasures& measures, const Box& local, const FaceField<FineGrid>& alpha);
   void set_uncut(const GridMeasures& measures, const Box& local, const std::array<bool, 3>& solved,
@@ -185,6 +213,13 @@ class OpenShares {
   std::array<OpenBeside, 3> open_beside_;  // the others, and 1/theta_f
   std::array<Exceptions, 3> centre_, viscous_, wall_velocity_, drift_;
   std::vector<OpenSpace::Beside> beside_;
+  /// A number that walls which blow have a part in.
+  struct BlownNumber {
+    double* number;
+    int body;
+    double at_rest, share;  // without it; of the body's velocity
+  };
+  std::vector<BlownNumber> blown_;
   std::vector<Sliver> slivers_;
   std::vector<WallPiece> pieces_;
   std::vector<WallCell> surface_;

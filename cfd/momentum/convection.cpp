@@ -98,18 +98,27 @@ void ConvectionTerm::list_moving_side(const OpenShares& open, int c, int d, cons
   const std::ptrdiff_t s = open.theta().stride(d);
   const bool low = open.alpha(c, m - s) > 0, high = open.alpha(c, m) > 0;
   if (low == high) return;
-  const double velocity = open.wall_velocity(c, low ? m : m - s);
+  const std::ptrdiff_t closed = low ? m : m - s;
+  const double velocity = open.wall_velocity(c, closed);
   if (velocity == 0) return;
   const auto width = [&](int e, int i) { return axis_[e].width(i); };
   if (c == d) {
-    const double part = 0.25 * width((c + 1) % 3, x[(c + 1) % 3]) * width((c + 2) % 3, x[(c + 2) % 3]) * velocity;
-    moving_sides_[c][d].push_back({m, m - s, part, part});
+    const double part = 0.25 * width((c + 1) % 3, x[(c + 1) % 3]) * width((c + 2) % 3, x[(c + 2) % 3]);
+    moving_sides_[c][d].push_back({m, m - s, 0, 0, closed, part, 1, 1});
+    moving_sides_[c][d].back().move(velocity);
     return;
   }
   const double of_upper = 0.5 * width(d, x[d] - 1) / axis_[d].face_width(x[d]);
-  const double part = (low ? of_upper : 1 - of_upper) * width(3 - c - d, x[3 - c - d]) * velocity;
+  const double part = (low ? of_upper : 1 - of_upper) * width(3 - c - d, x[3 - c - d]);
   moving_sides_[c][d].push_back(
-      {m, m - open.theta().stride(c), axis_[c].half_above(x[c]) * part, axis_[c].half_below(x[c]) * part});
+      {m, m - open.theta().stride(c), 0, 0, closed, part, axis_[c].half_above(x[c]), axis_[c].half_below(x[c])});
+  moving_sides_[c][d].back().move(velocity);
+}
+
+void ConvectionTerm::renew_walls(const OpenShares& open) {
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d)
+      for (MovingSide& w : moving_sides_[c][d]) w.move(open.wall_velocity(c, w.closed));
 }
 
 struct ConvectionTerm::Convected {

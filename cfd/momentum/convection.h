@@ -22,6 +22,8 @@ class ConvectionTerm {
   /// limited.
   void add(double rho, const FaceField<FineGrid>& eps_f, const FaceField<FineGrid>& u, Convection scheme,
            FaceField<FineGrid>& out);
+  /// Walls' velocities have changed (OpenShares::set_blowing).
+  void renew_walls(const OpenShares& open);
   /// rho F u of component c through the centre of own cell (i,j,k), along c, as add() takes it, N.
   double convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& eps_f,
                            const FaceField<FineGrid>& u, Convection scheme) const;
@@ -64,6 +66,10 @@ class ConvectionTerm {
   struct MovingSide {
     std::ptrdiff_t upper, other;  // faces: of the component; the second that carries through the side
     double here, there;           // areas that the two carry through, times the wall's share of the velocity (m3/s)
+    std::ptrdiff_t closed;        // the closed face
+    double part;                  // both over the wall's velocity and the lengths of the next two (m or m2)
+    double half_here, half_there;
+    void move(double velocity) { here = half_here * (part * velocity), there = half_there * (part * velocity); }
   };
   std::array<std::array<std::vector<MovingSide>, 3>, 3> moving_sides_;
   std::vector<double> change_;               // scratch: of a list of cut sides

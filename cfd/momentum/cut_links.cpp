@@ -193,7 +193,9 @@ void CutLinks::list_moved(int c, const Box& faces) {
   for (int d = 0; d < 3; ++d) {
     for (const Link& link : links_[c][d]) moving_ = moving_ || link.drift != 0;
     for (const Steeper& s : steeper_[c][d])
-      if (s.link.drift != 0) moved_[c][d].push_back({s.slot, s.up ? s.link.drift : -s.link.drift, s.link, true});
+      if (s.link.drift != 0)
+        moved_[c][d].push_back(
+            {s.slot, s.up ? s.link.drift : -s.link.drift, s.link, true, int(&s - steeper_[c][d].data())});
   }
   moving_ = moving_ || !open.beside().empty();
   for (const OpenSpace::Beside& b : open.beside()) {
@@ -222,6 +224,23 @@ void CutLinks::list_moved(int c, const Box& faces) {
         if (t.slot == slot) moved_sides_[c][d].push_back({slot, t.place, t.factor * across});
     }
   }
+}
+
+void CutLinks::renew_walls() {
+  const OpenShares& open = *measures_.open();
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d) {
+      const auto renew = [&](Link& link) {
+        link.drift = open.drift(c, link.lower + open.theta().stride(d)) - open.drift(c, link.lower);
+      };
+      for (Link& link : links_[c][d]) renew(link);
+      for (Steeper& s : steeper_[c][d]) renew(s.link);
+      for (Moved& w : moved_[c][d]) {
+        if (w.steeper < 0) continue;
+        const Steeper& s = steeper_[c][d][w.steeper];
+        w.link = s.link, w.change = s.up ? s.link.drift : -s.link.drift;
+      }
+    }
 }
 
 /// Of edges: mu eps, with the harmonic mean of mu; in links over what is open around.

@@ -38,6 +38,8 @@ class CutLinks {
   const std::array<std::vector<double>, 3>& exceeding() const { return exceeding_; }
   /// out += what walls that move along themselves give besides, N: links act on u - u_r (OpenSpace::Beside).
   void add_moving(const Property& mu, const CellField<FineGrid>& e, FaceField<FineGrid>& out);
+  /// Walls' velocities have changed (OpenShares::set_blowing).
+  void renew_walls();
   /// The same in left_out() and exceeding(), after they are made.
   void leave_moving_out(const Property& mu, const CellField<FineGrid>& e);
   /// diagonal += that of -add(), N s/m.
@@ -77,7 +79,8 @@ class CutLinks {
     int slot;
     double change;  // m/s
     Link link;
-    bool exceeds;  // the wall's, as a steeper link's
+    bool exceeds;      // the wall's, as a steeper link's
+    int steeper = -1;  // its place among them; -1: of a rigid motion
   };
   void list_moved(int c, const Box& faces);
   /// f(component, slot, force, exceeds), after set_means().

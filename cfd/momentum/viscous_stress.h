@@ -27,6 +27,9 @@ class ViscousTerm {
   /// Beside bodies; null: nothing is cut.
   const CutLinks* cut() const { return cut_.get(); }
   CutLinks* cut() { return cut_.get(); }
+  void renew_walls() {
+    if (cut_) cut_->renew_walls();
+  }
   /// Diagonal of -add(), approximately (for Jacobi), N s/m.
   void diagonal(const Property& mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
 

@@ -65,16 +65,22 @@ void leaves(LAMMPS& lammps, Region& region, std::vector<Region*>& found) {
   }
 }
 
+/// One that stays as it is.
+Region& find_region(LAMMPS& lammps, const std::string& name, const std::string& keyword) {
+  std::string id = name;
+  const int r = lammps.domain->find_region(id.data());
+  if (r < 0) refuse(keyword, name + ", and no region of that id", "the id of a region");
+  Region& region = *lammps.domain->regions[r];
+  if (region.varshape || region.dynamic_check())
+    refuse(keyword, name + ", which moves or changes its shape", "a region at rest (no move, rotate or v_NAME)");
+  return region;
+}
+
 Region& region_of(LAMMPS& lammps, const BodyNames& names) {
   const std::string keyword = solid_keyword(names) + " region";
-  std::string id = names.id;
-  const int r = lammps.domain->find_region(id.data());
-  if (r < 0) refuse(keyword, names.id + ", and no region of that id", "the id of a region");
-  Region& region = *lammps.domain->regions[r];
+  Region& region = find_region(lammps, names.id, keyword);
   std::vector<Region*> parts;
   leaves(lammps, region, parts);
-  if (region.varshape || region.dynamic_check())
-    refuse(keyword, names.id + ", which moves or changes its shape", "a region at rest (no move, rotate or v_NAME)");
   for (Region* part : parts)
     if (std::strcmp(part->style, "mesh/tet") == 0)
       refuse(keyword, names.id + " with a part of style mesh/tet, of which each rank knows its own piece only",
@@ -215,6 +221,29 @@ Body ScriptBodies::make(const BodyNames& names, const FineGrid& grid, std::uint6
   return {names.name, primitive_shape(primitive), names.slip, false, motion};
 }
 
+Blow ScriptBodies::blow_of(const BodyNames& names) const {
+  Blow blow;
+  const std::string keyword = solid_keyword(names) + " blow";
+  blow.on = true, blow.velocity = names.blow;
+  if (!names.blow_region.empty()) {
+    Region* const region = &find_region(lammps_, names.blow_region, keyword + " from region");
+    blow.where = [region](const Vec3& x) { return region->match(x[0], x[1], x[2]) != 0; };
+  }
+  if (names.blow_variable.empty()) return blow;
+  blow.velocity_now = [this, keyword, variable = names.blow_variable] {
+    const double U = names_.equal_style(variable, keyword);
+    if (!(U >= 0 && U <= kVelocities.most))
+      refuse(
+          keyword, "v_" + variable + " = " + text(U),
+          "a variable with a finite velocity (m/s) at all times, not below 0 (what leaves needs a side with 'pressure "
+          "0'); at most " +
+              text(kVelocities.most));
+    return U;
+  };
+  blow.velocity = blow.velocity_now();
+  return blow;
+}
+
 /// Of the particles that the fluid sees: all or every so many by their number, on all ranks. Collective.
 std::vector<Vec3> ScriptBodies::some_particles() const {
   constexpr long long kSome = 2000;
@@ -237,6 +266,7 @@ void ScriptBodies::resolve(FluidSettings& fluid, const FineGrid& grid) {
     const BodyNames& names = script_.bodies[b];
     std::uint64_t print = 0;
     fluid.bodies.push_back(make(names, grid, &print));
+    if (names.blows) fluid.bodies.back().blow = blow_of(names);
     if (again && print != prints_[b])
       refuse(solid_keyword(names), "another shape, place or motion than in the fix's first run",
              "the same: the fluid's grid is cut for good ('unfix' and the fix again take the new one; the fluid then "
@@ -306,6 +336,45 @@ void ScriptBodies::find_known(std::vector<WallFacts>& walls, const FluidSettings
     }
     wall.solid = covered;
   }
+}
+
+std::vector<double> ScriptBodies::drawn_areas(const FluidSettings& fluid, const FineGrid& grid) const {
+  std::vector<double> areas(script_.bodies.size(), 0.0);
+  double h = 1e300;
+  for (const Axis& a : grid.axis)
+    for (int i = 0; i < a.n(); ++i) h = std::min(h, a.width(i));
+  for (std::size_t b = 0; b < areas.size(); ++b) {
+    const BodyNames& names = script_.bodies[b];
+    if (!names.blows || names.kind != BodyNames::Kind::kMesh) continue;
+    for (const Triangle& t : mesh_triangles(mesh_of(lammps_, names), lammps_.world)) {
+      Vec3 u, v;
+      double longest = 0, square = 0;
+      for (int d = 0; d < 3; ++d) u[d] = t[1][d] - t[0][d], v[d] = t[2][d] - t[0][d];
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, f = (d + 2) % 3;
+        square += std::pow(u[e] * v[f] - u[f] * v[e], 2);
+        longest = std::max({longest, std::abs(u[d]), std::abs(v[d])});
+      }
+      // By the centres of parts below half a cell.
+      const int n = int(std::clamp(std::ceil(2 * longest / h), 1.0, 200.0));
+      int inside = 0;
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          const bool turned = i + j >= n;
+          const double p = (turned ? n - i - 1.0 / 3 : i + 1.0 / 3) / n,
+                       q = (turned ? n - j - 1.0 / 3 : j + 1.0 / 3) / n;
+          Vec3 x;
+          bool in = true;
+          for (int d = 0; d < 3; ++d) {
+            x[d] = t[0][d] + p * u[d] + q * v[d];
+            in = in && x[d] >= grid.axis[d].lo() && x[d] <= grid.axis[d].hi();
+          }
+          inside += in && (!fluid.bodies[b].blow.where || fluid.bodies[b].blow.where(x));
+        }
+      areas[b] += 0.5 * std::sqrt(square) * inside / (double(n) * n);
+    }
+  }
+  return areas;
 }
 
 std::vector<std::string> ScriptBodies::doubts() {

@@ -31,10 +31,11 @@ class ScriptNames {
   void check_region_faces(const FineGrid& grid);
   /// A run has been set up: LIGGGHTS has its list of computes that a variable may ask for.
   void run_is_set_up() { in_run_ = true; }
+  /// Value of a variable, now. Throws std::invalid_argument, naming the keyword, where it is none.
+  double equal_style(const std::string& variable, const std::string& keyword) const;
 
  private:
   Vec3 velocity_now(int side, std::size_t condition) const;
-  double equal_style(const std::string& variable, const std::string& keyword) const;
 
   LAMMPS_NS::LAMMPS& lammps_;
   Script& script_;

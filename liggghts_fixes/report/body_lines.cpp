@@ -23,7 +23,29 @@ std::string surface_motion_text(const Settings& s, std::size_t b) {
              : ", its surface turns with " + three(m.turning) + " rad/s about " + three(m.origin);
 }
 
+/// What it blows into the fluid.
+std::string blow_text(const Settings& s, std::size_t b, double area, double drawn) {
+  if (b >= s.fluid.bodies.size() || !s.fluid.bodies[b].blow.on) return "";
+  const Blow& blow = s.fluid.bodies[b].blow;
+  const double U = blow.velocity_now ? blow.velocity_now() : blow.velocity;
+  return ", blows " + brief(U) + " m/s" + (blow.velocity_now ? " now (variable)" : "") + " through " + brief(area) +
+         " m2 of it" + (drawn > 0 ? " (drawn " + brief(drawn) + " m2), " : ", ") + brief(U * area) + " m3/s";
+}
+
 }  // namespace
+
+std::vector<std::string> blown_lines(const Script& script, const FluidSolver& fluid) {
+  std::vector<std::string> lines;
+  if (!fluid.blowing()) return lines;
+  for (std::size_t b = 0; b < script.bodies.size() && b < fluid.body_forces().size(); ++b)
+    if (script.bodies[b].blows) {
+      const double U = fluid.blowing()->velocity()[b];
+      lines.push_back("solid " + script.bodies[b].name + " blows " + brief(U) + " m/s at the end, " +
+                      brief(U * fluid.blowing()->area()[b]) + " m3/s; " + brief(fluid.body_forces()[b].blown) +
+                      " m3/s on average over the last coupling interval");
+    }
+  return lines;
+}
 
 std::vector<std::string> body_lines(const Script& script, const SceneFacts& facts, const SceneNumbers& n) {
   std::vector<std::string> lines;
@@ -40,7 +62,8 @@ std::vector<std::string> body_lines(const Script& script, const SceneFacts& fact
                     (names.sheet ? ", a sheet" : "") + (names.slip ? ", slip; " : ", noslip; ") + brief(body.area) +
                     " m2 of its surface in the fluid" + (names.sheet ? ", both sides, " : ", ") +
                     (body.volume > 0 ? brief(body.volume) + " m3 closed, " : "") + std::to_string(body.cells) +
-                    (names.sheet ? " cells beside it" : " cells cut") + surface_motion_text(s, b));
+                    (names.sheet ? " cells beside it" : " cells cut") + surface_motion_text(s, b) +
+                    blow_text(s, b, body.blown, b < facts.drawn_blowing.size() ? facts.drawn_blowing[b] : 0));
   }
   if (!cut.fluid_side.empty()) lines.push_back("fluid is: " + cut.fluid_side);
   double domain = 1;

@@ -16,6 +16,11 @@ double smallest_width(const Axis& axis, int block) {
   return w;
 }
 
+double now(const Blow& blow) {
+  return blow.velocity_now ? blow.velocity_now() : blow.velocity;
+}
+
+/// Of inlets and of bodies that blow.
 double largest_inlet(const FluidSettings& fluid, bool* varies) {
   double U = 0;
   for (int s = 0; s < 6; ++s)
@@ -25,10 +30,15 @@ double largest_inlet(const FluidSettings& fluid, bool* varies) {
         if (varies && c.velocity_now) *varies = true;
         U = std::max(U, std::abs(u[direction(s)]));
       }
+  for (const Body& body : fluid.bodies)
+    if (body.blow.on) {
+      U = std::max(U, now(body.blow));
+      if (varies && body.blow.velocity_now) *varies = true;
+    }
   return U;
 }
 
-/// What enters by all inlets (m3/s).
+/// What enters by all inlets, and through bodies that blow (m3/s).
 double inlets_rate(const FluidSettings& fluid, const FineGrid& grid, const SceneFacts& facts) {
   double rate = 0;
   for (int s = 0; s < 6; ++s) {
@@ -41,6 +51,8 @@ double inlets_rate(const FluidSettings& fluid, const FineGrid& grid, const Scene
       rate += std::max(0.0, is_high(s) ? -u : u) * area;
     }
   }
+  for (std::size_t b = 0; facts.cut && b < fluid.bodies.size() && b < facts.cut->bodies.size(); ++b)
+    if (fluid.bodies[b].blow.on) rate += now(fluid.bodies[b].blow) * facts.cut->bodies[b].blown;
   return rate;
 }
 

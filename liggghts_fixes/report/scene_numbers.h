@@ -48,6 +48,7 @@ struct SceneFacts {
   std::optional<CutReport> cut;                  ///< bodies in the fluid's grid; none: there are none
   std::optional<OpenNodes::Figures> nodes;       ///< what they make of the particle grid
   std::array<std::vector<double>, 6> open_area;  ///< with bodies: of each condition of each side (m2)
+  std::vector<double> drawn_blowing;             ///< of each body's mesh, that blows (m2); 0: unknown
   bool still = false;                            ///< no fix moves particles
   int ranks = 1;
   Int3 bricks{1, 1, 1}, fluid_bricks{1, 1, 1};
@@ -59,13 +60,14 @@ struct SceneNumbers {
   double h_min = 0;     ///< smallest fine cell (m), directions of one cell left out
   double h_coarse = 0;  ///< smallest particle cell (m), likewise
   double U = 0;         ///< largest superficial velocity that is prescribed, else minimum fluidisation's (m/s)
-  double U_bed = 0;     ///< what all inlets give over the mean section of the settled bed (m/s); 0: no inlet, or no bed
-  double Umf = 0;       ///< Ergun (1952) at eps = 0.4 (m/s)
-  double Re = 0;        ///< rho_f U d / mu
-  double Stokes = 0;    ///< of collisions, rho_p U d / (9 mu)
-  double tau = 0;   ///< response time of particles to the drag, dense: rho_p eps_s / beta (Ergun at eps = 0.4, U), s
-  double beta = 0;  ///< drag coefficient of a packed bed (Ergun at eps = 0.4 and U, of the open volume), kg/(m3 s)
-  bool U_varies = false;  ///< an inlet follows a variable: U holds its value of now
+  double U_bed =
+      0;  ///< what all inlets and bodies that blow give over the mean section of the settled bed (m/s); 0: no inlet, or no bed
+  double Umf = 0;     ///< Ergun (1952) at eps = 0.4 (m/s)
+  double Re = 0;      ///< rho_f U d / mu
+  double Stokes = 0;  ///< of collisions, rho_p U d / (9 mu)
+  double tau = 0;     ///< response time of particles to the drag, dense: rho_p eps_s / beta (Ergun at eps = 0.4, U), s
+  double beta = 0;    ///< drag coefficient of a packed bed (Ergun at eps = 0.4 and U, of the open volume), kg/(m3 s)
+  bool U_varies = false;  ///< an inlet or a body that blows follows a variable: U holds its value of now
   double noise = 0;  ///< velocity by which a particle replaces fluid when it changes its particle cell at once (m/s)
   double cfl = 0;    ///< U_max dt_coupling / h_min with interstitial velocity (eps = 1 at inlets)
 };

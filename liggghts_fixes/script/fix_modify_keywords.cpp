@@ -266,6 +266,21 @@ void parse_most_lost(const Line& line) {
 const Options<BodyNames::Kind> kBodies{
     {BodyNames::Kind::kMesh, "mesh"}, {BodyNames::Kind::kWall, "wall"}, {BodyNames::Kind::kRegion, "region"}};
 
+void parse_blow(Words& words, const std::string& keyword, BodyNames& body) {
+  words.word("", "");
+  const std::string what = keyword + " blow";
+  const std::string wanted = "a velocity in m/s, a number or v_NAME, of gas that enters through the surface";
+  body.blows = true;
+  if (const std::string& next = words.peek(); next.rfind("v_", 0) == 0 && next.size() > 2)
+    body.blow_variable = words.name(what, wanted).substr(2);
+  else
+    body.blow = words.number(what, wanted + ", not below 0 (what leaves needs a side with 'pressure 0')",
+                             {0, kVelocities.most});
+  if (!words.take_if("from")) return;
+  words.one_of(what + " from", {"region"});
+  body.blow_region = words.name(what + " from region", "the id of a region that holds the part that blows");
+}
+
 void parse_solid(const Line& line) {
   Words& words = line.words;
   BodyNames body;
@@ -288,6 +303,9 @@ void parse_solid(const Line& line) {
       if (body.kind != BodyNames::Kind::kMesh)
         refuse(keyword, kind + " " + body.id + " as a sheet", "a mesh: 'solid " + body.name + " mesh FIXID sheet'");
       body.sheet = true;
+    } else if (words.next_is("blow")) {
+      if (body.blows) refuse(keyword, "blow twice", "it once");
+      parse_blow(words, keyword, body);
     } else if (words.take_if("fluid_at")) {
       Vec3 x;
       for (double& c : x)
@@ -297,6 +315,9 @@ void parse_solid(const Line& line) {
       break;
     }
   }
+  if (body.blows && body.sheet)
+    refuse(keyword + " blow", "a sheet, which has fluid on both sides",
+           "a mesh with an inside, two cells thick at least, without the word sheet");
   line.script.bodies.push_back(body);
 }
 
@@ -305,6 +326,8 @@ std::string solid_text(const Script& script) {
   for (const BodyNames& b : script.bodies) {
     s += (s.empty() ? "" : "; ") + b.name + " " + option_of(kBodies, b.kind).word + " " + b.id +
          (b.sheet ? " sheet" : "") + (b.slip ? " slip" : " noslip");
+    if (b.blows) s += " blow " + (b.blow_variable.empty() ? exact(b.blow) : "v_" + b.blow_variable);
+    if (!b.blow_region.empty()) s += " from region " + b.blow_region;
     for (const Vec3& x : b.fluid_at) s += " fluid_at " + three(x);
   }
   return s;
@@ -381,7 +404,7 @@ std::vector<Keyword> make_rows() {
        boundary_text, nullptr, true, true},
       {"solid",
        "NAME, then `mesh` FIXID, `wall` FIXID or `region` ID, then perhaps `noslip` or `slip`, `sheet`, `fluid_at` x y "
-       "z (m)",
+       "z (m), `blow` U (gas through its surface, m/s; a number or `v_NAME`) and perhaps `from region` ID",
        "", "a vessel or body that is solid for the fluid, see Vessels and bodies; several", "none; noslip", "",
        parse_solid, solid_text, nullptr, true},
       {"initial u", "ux uy uz", "m/s", "interstitial velocity at the beginning", "", "flow",

@@ -40,8 +40,12 @@ struct BodyNames {
   Kind kind = Kind::kMesh;
   std::string id;  ///< of the fix mesh/surface, the fix wall/gran or the region
   bool slip = false;
-  bool sheet = false;  ///< a mesh with fluid on both sides
+  bool sheet = false;          ///< a mesh with fluid on both sides
   std::vector<Vec3> fluid_at;  ///< m; empty: not given
+  bool blows = false;          ///< gas into the fluid
+  double blow = 0;             ///< m/s
+  std::string blow_variable;   ///< name without v_, in its place; empty: the number holds
+  std::string blow_region;     ///< id of the region with the part that blows; empty: all
 };
 
 /// A script so far.
