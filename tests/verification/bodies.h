@@ -64,6 +64,14 @@ inline double superficial(const CfdBox& box, int d) {
   return box.sum(sum[0]) / box.sum(sum[1]);
 }
 
+/// Of the whole box, what lies beside closed faces, too (m3): what a mean gradient drives.
+inline double open_volume(const CfdBox& box) {
+  double sum = 0;
+  for_each(box.own(),
+           [&](int i, int j, int k) { sum += box.grid.volume(i, j, k) * box.fluid->open_shares()->theta()(i, j, k); });
+  return box.sum(sum);
+}
+
 /// Steps of the given length until the superficial velocity along d changes by less than `change` of itself in one.
 /// Returns the number of steps, or -1 if `most` are not enough.
 inline int until_steady(CfdBox& box, int d, double dt, double change, int most) {

@@ -30,16 +30,15 @@ void cylinders(int along, int thin, int N, double Phi, double exact, double want
   EXPECT_GT(steps, 0);
   const double drag = 1 / superficial(box, along), V = 1.0 / N;
   const BodyForce& F = box.fluid->body_forces()[0];
-  double open = 0;
-  for_each(box.faces(along), [&](int i, int j, int k) { open += box.fluid->measures().open_volume(along, i, j, k); });
+  const double open = open_volume(box);
   report(
       "cylinders along %d, across %d, Phi %.2f: F/(mu U) %.3f, %+.2f %%; force %+.1e, friction's share %.3f, torque "
       "%.1e, "
       "%d steps\n",
-      along, thin, Phi, drag, 100 * (drag / exact - 1), F.force()[along] / box.sum(open) - 1,
+      along, thin, Phi, drag, 100 * (drag / exact - 1), F.force()[along] / open - 1,
       F.friction[along] / F.force()[along], F.torque[thin] / V, steps);
   EXPECT_LT(std::abs(drag / exact - 1), wanted);
-  EXPECT_NEAR(F.force()[along], box.sum(open), 1e-3 * V);
+  EXPECT_NEAR(F.force()[along], open, 1e-3 * V);
 }
 
 /// Drag of spheres of radius R in a cubic lattice of a period of 1 m over 6 pi mu R U; a quarter of the period.

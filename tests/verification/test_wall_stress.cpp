@@ -83,11 +83,7 @@ TEST(WallStress, DuctAtAnAngle) {
       const Scatter t = friction_along(box, n, Duct::half);
       // G times the duct's volume, drawn and resolved: the force on its walls by the balance of momentum, too.
       const double all = Duct::half / (duct.sine * duct.cosine) * 2 / N;
-      double volume = 0;
-      for_each(box.own(), [&](int i, int j, int k) {
-        volume += box.grid.volume(i, j, k) * box.fluid->open_shares()->theta()(i, j, k);
-      });
-      volume = box.sum(volume);
+      const double volume = open_volume(box);
       const BodyForce& b = box.fluid->body_forces()[0];
       const double force = b.force()[duct.x] * duct.cosine + b.force()[duct.y] * duct.sine,
                    across = b.force()[duct.x] * duct.sine - b.force()[duct.y] * duct.cosine;
