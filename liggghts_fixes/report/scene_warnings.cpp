@@ -89,9 +89,10 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
                 std::to_string(std::max(1, int(s.every / n.cfl))) +
                 (s.every / n.cfl < 1 ? ", and timestep to " + brief(facts.dem_dt * s.every / n.cfl) + " s" : ""));
   if (n.U_varies && s.every > 0)
-    w.push_back("an inlet follows a variable: velocity U and all that follows from it (Re, St, CFL" +
-                std::string(every_auto ? ", every auto" : "") +
-                ") hold for its value now; look at f_ID[3] for the run's Courant number");
+    w.push_back(
+        "an inlet, or a surface that blows, follows a variable: velocity U and all that follows from it (Re, St, CFL" +
+        std::string(every_auto ? ", every auto" : "") +
+        ") hold for its value now; look at f_ID[3] for the run's Courant number");
   if (s.deposit == Deposit::kCentroid && !s.one_way && !facts.still && n.U > 0 && below(n.U, n.noise))
     w.push_back(
         "with 'deposit centroid' a particle that changes its particle cell replaces fluid within one coupling "

@@ -9,6 +9,7 @@ restart, a later run of the script that ends at once; and an error that is claim
 """
 import os
 import re
+from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy as np
@@ -88,25 +89,37 @@ def first_bed(executable, seed, plan, steps):
     return run, means(run.path, "first_bed.h5")
 
 
+def mirrored(eps, flux):
+    """Of the same scene, whose jet stands in the middle."""
+    return eps[:, :, ::-1], flux[:, :, ::-1] * (-1, 1, 1)
+
+
+def distance(a, b, w):
+    """Root mean squares, over the means of b: of void fraction and flux."""
+    return [np.sqrt(np.sum(w * (a[0] - b[0])**2) / np.sum(w * b[0]**2)), np.sqrt(np.sum(w[..., None] * (a[1] - b[1])**2) / np.sum(w[..., None] * b[1]**2))]
+
+
+def nearest(a, b, w):
+    """a, or its mirror image. The jet leans to one side for as long as any of these runs lasts: means are of one of two states."""
+    return min((a, mirrored(*a)), key=lambda x: distance(x, b, w)[1])
+
+
 def long(c, executable):
-    """Errors claimed, against the mean of all long runs."""
-    seeds = [20000003 + 2 * k for k in range(400)]
-    primes = [s for s in seeds if all(s % q for q in range(3, 4480, 2))]
+    """Errors claimed, against the mean of long runs."""
+    seeds = [s for s in range(20000003, 20000803, 2) if all(s % q for q in range(3, 4480, 2))][:23]
     within = 0.03
-    true_eps, true_flux, weight = [], [], []
-    for seed in primes[:3]:
-        _, (attributes, eps, flux, solids) = first_bed(executable, seed, "1.0", 600000)
-        true_eps.append(eps), true_flux.append(flux), weight.append(solids)
-        c.note(f"long run, seed {seed}: {attributes['weight']:.3g} s, standard errors {attributes['standard_error_eps']:.4f}, {attributes['standard_error_flux']:.4f}")
-    eps0, flux0, w = np.mean(true_eps, axis=0), np.mean(true_flux, axis=0), np.mean(weight, axis=0)
-    good, one = 0, 0
-    for seed in primes[3:23]:
-        run, (attributes, eps, flux, _) = first_bed(executable, seed, f"auto until {within}", 600000)
-        off = [np.sqrt(np.sum(w * (eps - eps0)**2) / np.sum(w * eps0**2)), np.sqrt(np.sum(w[..., None] * (flux - flux0)**2) / np.sum(w[..., None] * flux0**2))]
-        said = max(attributes["standard_error_eps"], attributes["standard_error_flux"])
-        holds = end_of(run.output) > 0 and max(off) <= 2 * within
-        good, one = good + holds, one + (max(off) <= within)
-        c.note(f"seed {seed}: from {attributes['from']:.2f} s over {attributes['weight']:.2f} s, claimed {attributes['standard_error_eps']:.4f}, {attributes['standard_error_flux']:.4f} ({said:.4f}), off by {off[0]:.4f}, {off[1]:.4f}")
+    with ThreadPoolExecutor(2) as pool:
+        whole = list(pool.map(lambda s: first_bed(executable, s, "1.0", 600000)[1], seeds[:3]))
+        w = whole[0][3]
+        near = [nearest(r[1:3], whole[0][1:3], w) for r in whole]
+        mean = tuple(np.mean([r[q] for r in near], axis=0) for q in (0, 1))
+        for seed, (a, *_), r in zip(seeds, whole, near):
+            c.note(f"long run, seed {seed}: {a['weight']:.3g} s, standard errors {a['standard_error_eps']:.4f}, {a['standard_error_flux']:.4f}; from the mean of the three {distance(r, mean, w)[0]:.4f}, {distance(r, mean, w)[1]:.4f}")
+        good, one = 0, 0
+        for seed, (run, (a, eps, flux, _)) in zip(seeds[3:], pool.map(lambda s: first_bed(executable, s, f"auto until {within}", 600000), seeds[3:])):
+            off = distance(nearest((eps, flux), mean, w), mean, w)
+            good, one = good + (end_of(run.output) > 0 and max(off) <= 2 * within), one + (max(off) <= within)
+            c.note(f"seed {seed}: from {a['from']:.2f} s over {a['weight']:.2f} s, claimed {a['standard_error_eps']:.4f}, {a['standard_error_flux']:.4f}, off by {off[0]:.4f}, {off[1]:.4f}")
     c.true(f"off by at most two standard errors in {good} of 20 runs (wanted 18), by one in {one}", good >= 18)
 
 
