@@ -4,15 +4,14 @@
 
 namespace twogrid {
 
-std::vector<double> WallFit::of_first() const {
-  constexpr double kHeld = 1e-9;  // what keeps undetermined terms small: of the sum of weights
+std::vector<double> WallFit::of_first(double held) const {
   double matrix[kMost][kMost] = {}, value[kMost] = {1}, all = 0;
   for (const Point& p : points_) {
     all += p.weight;
     for (int a = 0; a < terms_; ++a)
       for (int b = 0; b <= a; ++b) matrix[a][b] += p.weight * p.term[a] * p.term[b];
   }
-  for (int a = 0; a < terms_; ++a) matrix[a][a] += all * kHeld * (a == 0 ? 1e-4 : 1);
+  for (int a = 0; a < terms_; ++a) matrix[a][a] += all * held * (a == 0 ? 1e-4 : 1);
   // Cholesky; value becomes the first row of the inverse.
   for (int a = 0; a < terms_; ++a) {
     for (int b = 0; b <= a; ++b) {

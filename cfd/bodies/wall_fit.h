@@ -15,8 +15,8 @@ class WallFit {
   void add(double weight, const std::array<double, kMost>& term) { points_.push_back({weight, term}); }
   std::size_t points() const { return points_.size(); }
   /// Of each point's value in the first coefficient. Terms that the points say nothing about, or fewer points than terms:
-  /// the later terms stay small.
-  std::vector<double> of_first() const;
+  /// the later terms stay small: held back by this share of the sum of weights.
+  std::vector<double> of_first(double held) const;
 
  private:
   struct Point {

@@ -267,7 +267,7 @@ void WallStress::fit_friction(const Place& place, const std::vector<Int3>& cells
       blown_.push_back({of_wall_.size() - 1, c, foot.body, m, 0, feet.wall_velocity(foot, here)[c],
                         feet.blows(foot) ? out[c] / foot.distance : 0.0});
   }
-  const std::vector<double> weights = fit.of_first();
+  const std::vector<double> weights = fit.of_first(1e-8);
   for (std::size_t q = 0; q < found.size(); ++q) {
     const double w = weights[q] / place.across;
     slope_[c].list.push_back({found[q].at, w * found[q].weight});
@@ -302,7 +302,7 @@ void WallStress::fit_pressure(const Place& place, const Wide& shares, const Feet
       found.push_back(p_.index(x[0], x[1], x[2]));
     }
     if (found.empty()) continue;
-    const std::vector<double> weights = fit.of_first();
+    const std::vector<double> weights = fit.of_first(1e-9);
     for (std::size_t q = 0; q < found.size(); ++q) pressure_.list.push_back({found[q], weights[q]});
     return;
   }
