@@ -7,12 +7,15 @@
 
 namespace twogrid {
 
+/// Of the cells beside a face and those of this rank.
 double WallLinks::least_width(int c, const Int3& face) const {
   double least = 1e300;
+  const auto look = [&](int d, int cell) {
+    if (cell >= grid_.cells.lo[d] && cell < grid_.cells.hi[d]) least = std::min(least, grid_.width(d, cell));
+  };
   for (int d = 0; d < 3; ++d) {
-    const int in = grid_.inside(d, face[d]) ? face[d] : face[d] - 1;
-    least = std::min(least, grid_.width(d, in));
-    if (d == c && grid_.inside(d, face[d] - 1)) least = std::min(least, grid_.width(d, face[d] - 1));
+    look(d, face[d]);
+    if (d == c || !grid_.inside(d, face[d])) look(d, face[d] - 1);
   }
   return least;
 }
