@@ -195,6 +195,7 @@ Surfaces::Foot WallLinks::wall_near(int c, const Int3& face) const {
     Int3 cell = face;
     cell[c] -= below;
     if (!g.inside(c, cell[c])) continue;
+    cell[c] = std::max(cell[c], g.cells.lo[c]);  // one that the rank doesn't have: as wide as the next
     for (int d = 0; d < 3; ++d) reach += g.width(d, cell[d]), least = std::min(least, g.width(d, cell[d]));
   }
   Surfaces::Foot foot = surfaces_.nearest(place(c, face), reach);
