@@ -2,8 +2,7 @@
 # Reads the code without running it: clang-tidy with the checks of .clang-tidy, and cppcheck. Installs what is missing.
 # Words after the command are files to read; all of the program's sources by default. Ends with an error at any finding.
 #
-# Last run: 2026-11-28, 0d21fa2 less what other commits brought since 7984afc: nothing found. 5 min of CPU, 20 min of a core
-# that others use too.
+# Last run: 2026-11-29, 1b6d300 and what mended its findings: nothing found. 8.5 min of CPU.
 set -eu
 cd "$(dirname "$0")/.."
 cases/setup.sh clang-tidy cppcheck

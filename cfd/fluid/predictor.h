@@ -38,10 +38,12 @@ class Predictor {
   /// Null where nothing is cut; and its left_out() in the step.
   const CutLinks* cut_links() const { return viscous_.cut(); }
   const std::array<std::vector<double>, 3>& lost_stress() const {
-    return viscous_.cut() ? viscous_.cut()->left_out() : nothing_;
+    if (viscous_.cut()) return viscous_.cut()->left_out();
+    return nothing_;
   }
   const std::array<std::vector<double>, 3>& exceeding() const {
-    return viscous_.cut() ? viscous_.cut()->exceeding() : nothing_;
+    if (viscous_.cut()) return viscous_.cut()->exceeding();
+    return nothing_;
   }
   /// Of the faces of OpenShares::without_convection: drag for want of convection (kg/(m3 s), per inertia share).
   const std::array<std::vector<double>, 3>& sliver_drag() const { return sliver_drag_; }

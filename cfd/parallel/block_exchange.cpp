@@ -267,6 +267,7 @@ void BlockExchange::bring(const std::vector<Array3<T>*>& field) const {
 TWOGRID_INSTANTIATE(double)
 TWOGRID_INSTANTIATE(long long)
 #undef TWOGRID_INSTANTIATE
+// NOLINTBEGIN(bugprone-macro-parentheses): a type
 #define TWOGRID_INSTANTIATE(T) \
   template void BlockExchange::bring<T>(const std::vector<Slot<T>>&, const std::vector<Slot<T>>&) const;
 TWOGRID_INSTANTIATE(double)
@@ -274,6 +275,7 @@ TWOGRID_INSTANTIATE(long long)
 TWOGRID_INSTANTIATE(FourNumbers)
 TWOGRID_INSTANTIATE(FourWholeNumbers)
 #undef TWOGRID_INSTANTIATE
+// NOLINTEND(bugprone-macro-parentheses)
 template void BlockExchange::add<FourWholeNumbers>(const std::vector<Slot<FourWholeNumbers>>&,
                                                    const std::vector<Slot<FourWholeNumbers>>&) const;
 

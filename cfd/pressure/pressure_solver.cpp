@@ -30,7 +30,7 @@ TWOGRID_VECTORISED void apply_operator(const Box& own, const OpenRows* open, con
              (gy[i] * (c - a[i - sy]) + gy[i + sy] * (c - a[i + sy])) +
              (gz[i] * (c - a[i - sz]) + gz[i + sz] * (c - a[i + sz]));
     }
-    y += n;
+    y += n;  // cppcheck-suppress uselessAssignmentPtrArg ; the next row goes on there
   });
 }
 

@@ -103,7 +103,7 @@ class MeanMotion {
   Spread spread_;
   Window window_;
   WindowShape shape_;
-  mutable SeenNodes seen_;  // scratch, where bodies stand
+  mutable SeenNodes seen_{};  // scratch, where bodies stand
   std::array<bool, 3> free_flux_;
   double domain_volume_;
   FixedPoint mass_unit_, momentum_unit_;

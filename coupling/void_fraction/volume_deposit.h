@@ -56,7 +56,7 @@ class VolumeDeposit {
   Window window_;
   Array3<long long> sum_;  // on the window
   Places places_;          // where they are not known
-  SeenNodes seen_;         // scratch, where bodies stand
+  SeenNodes seen_{};       // scratch, where bodies stand
   FixedPoint scale_;
   std::vector<double> beyond_;  // scratch of the exact intersection: volumes beyond the corners of the nodes cut
 };
