@@ -15,7 +15,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import drag_check  # noqa: E402
 import picture_3d  # noqa: E402
 import plot_fields  # noqa: E402
-from verdict import G, NO_PICTURES, Bed, Verdict, batch_error, by_chance, command_line, ledgers, momentum, packed_fluidisation, save, save_compared, usual_pictures  # noqa: E402
+from verdict import G, NO_PICTURES, Bed, Verdict, carries_weight, command_line, fluidises_as_wen_yu, ledgers, left_and_right, save, usual_pictures  # noqa: E402
 
 D_P, RHO_P = 3.0e-3, 2505.0      # as in.flat_spouted_bed has it
 WIDTH, DEPTH, SLOT = 145.0e-3, 20.0e-3, 5.0e-3
@@ -24,18 +24,8 @@ PACKED = 0.42                    # void fraction at rest, for the bed's height
 ALARMS, LEAST = 1e-3, 0.5        # of the check of symmetry: rate of false alarms, s of means that it needs
 
 
-def forces(bed, verdict, short):
-    floor, lid, *sides = bed.mean[:, 2:8].T
-    dp, share, scatter = momentum(bed, verdict, {"floor on grains": floor, "lid on grains": lid, "sides on grains": sum(sides)}, 5e-3 if short else 1e-3)
-    verdict.if_long(short, 0.9 - 3 * scatter <= share <= 1.03 + 3 * scatter, f"mean pressure drop {dp.mean():.0f} Pa, standard deviation {dp.std():.0f} Pa: it carries {100 * share:.1f} +- {100 * scatter:.1f} % of the buoyant weight "
-                    "(wanted: 90 to 103 %, give or take three standard errors; floor and rubbing walls carry the rest)")
-
-
-def minimum_fluidisation(bed, verdict, short):
-    hold = int(np.argmax(np.diff(bed.now[:, 13]) != 0)) * (bed.now[1, 0] - bed.now[0, 0])
-    U_mf, wen_yu, drops = packed_fluidisation(bed, LOW, hold, bed.weight / bed.section)
-    verdict.if_long(short, abs(U_mf / wen_yu - 1) <= 0.3, f"packed bed: {drops[0]:.0f} and {drops[1]:.0f} Pa at {LOW[0]} and {LOW[1]} m/s; minimum fluidisation by them {U_mf:.3f} m/s, Wen & Yu (1966) {wen_yu:.3f} m/s (wanted: 30 %)")
-    return U_mf
+def height_at_rest(bed):
+    return bed.n * np.pi / 6 * D_P**3 / (1 - PACKED) / (WIDTH * DEPTH)
 
 
 def spout(bed, verdict, short):
@@ -43,7 +33,7 @@ def spout(bed, verdict, short):
     average = bed.file["average/particle_grid"]
     x, _, z = (plot_fields.centres(e) for e in plot_fields.nodes(bed.file, "particle_grid"))
     eps, flux = average["eps"][:].mean(axis=1), average["solids_flux"][:].mean(axis=1)[..., 2]
-    H0 = bed.n * np.pi / 6 * D_P**3 / (1 - PACKED) / (WIDTH * DEPTH)
+    H0 = height_at_rest(bed)
     at = lambda f: int(np.argmin(np.abs(z - f * H0)))
     middle, side = np.abs(x - WIDTH / 2) < 1.1 * (x[1] - x[0]), (np.abs(x - WIDTH / 2) > 0.25 * WIDTH)
     k = at(0.5)
@@ -69,7 +59,7 @@ def jet(bed, verdict, short, H0):
     keairns = 6.5 * d0 * np.sqrt(bed.rho_f / (RHO_P - bed.rho_f) * froude)
     merry = 5.2 * d0 * (bed.rho_f * d0 / (RHO_P * D_P))**0.3 * (1.3 * froude**0.2 - 1)
     low, high = 0.6 * min(merry, keairns), 1.4 * max(merry, keairns)
-    verdict.if_long(short, low <= reach <= high, f"the void over the slot reaches " + ("through the whole bed" if through else f"{1e3 * reach:.0f} mm") + f"; jets of that slot reach {1e3 * merry:.0f} mm by Merry (1975), {1e3 * keairns:.0f} mm by Yang & Keairns (1978), the bed's height at rest is {1e3 * H0:.0f} mm "
+    verdict.if_long(short, low <= reach <= high, "the void over the slot reaches " + ("through the whole bed" if through else f"{1e3 * reach:.0f} mm") + f"; jets of that slot reach {1e3 * merry:.0f} mm by Merry (1975), {1e3 * keairns:.0f} mm by Yang & Keairns (1978), the bed's height at rest is {1e3 * H0:.0f} mm "
                     "(wanted: between the lower less 40 % and the higher plus 40 %; through the bed counts as its height)")
 
 
@@ -82,19 +72,11 @@ def rhythm(bed, verdict):
     pieces = max(1, int(inside.sum() * period / 1.0))
     power = np.mean([np.abs(np.fft.rfft((p - p.mean()) * np.hanning(len(p))))**2 for p in np.array_split(dp[:len(dp) // pieces * pieces], pieces)], axis=0)
     frequency = np.fft.rfftfreq(len(dp) // pieces, period)
-    H0 = bed.n * np.pi / 6 * D_P**3 / (1 - PACKED) / (WIDTH * DEPTH)
+    H0 = height_at_rest(bed)
     verdict.note(f"pressure drop beats at {frequency[1 + np.argmax(power[1:])]:.1f} Hz (spectrum of {pieces} pieces); a bed of that height that swings as a whole: {np.sqrt(G / H0) / np.pi:.1f} Hz, by Baskakov, Tuponogov & Filippov (1986)")
 
 
-def symmetry(bed, verdict, short):
-    series = 2 * bed.now[bed.averaged(bed.now), 10] / (bed.n * np.pi / 6 * D_P**3 * RHO_P) - 1
-    enough = bed.length - bed.begin >= LEAST
-    mean, error, independent, bound = by_chance(series, ALARMS)
-    enough = enough and independent >= 4
-    verdict.if_long(short or not enough, abs(mean) <= max(bound, 1e-12), f"mass right less left: {100 * mean:+.2f} +- {100 * error:.2f} % ({independent:.0f} independent values): {abs(mean) / bound:.2f} of what chance exceeds once in {1 / ALARMS:.0f} runs (wanted: 1)" + ("" if enough else "; the series is too short for it: no verdict"))
-
-
-def curve(bed, U_mf):
+def curve(bed):
     plt = plot_fields.plt
     figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.2), layout="constrained")
     t = bed.mean[:, 0] * bed.step
@@ -115,13 +97,13 @@ def main():
     verdict.note(f"{bed.n:.0f} grains, {bed.inflow / bed.section:.2f} m/s over the section, {bed.inlet.max():.1f} m/s in the slot on the grid, {bed.length:.2f} s, means from {bed.begin:.2f} s")
     ledgers(bed, verdict)
     drag_check.check(bed.file, verdict)
-    forces(bed, verdict, short)
-    U_mf = minimum_fluidisation(bed, verdict, short)
+    carries_weight(bed, verdict, short)
+    fluidises_as_wen_yu(bed, verdict, short, LOW, 13)
     spout(bed, verdict, short)
     rhythm(bed, verdict)
-    symmetry(bed, verdict, short)
+    left_and_right(bed, verdict, short, bed.n * np.pi / 6 * D_P**3 * RHO_P, ALARMS, LEAST)
     if not NO_PICTURES:
-        save({**usual_pictures(bed, [30e-3, 60e-3, 100e-3], top=0.4), "curve": curve(bed, U_mf)}, bed.folder)
+        save({**usual_pictures(bed, [30e-3, 60e-3, 100e-3], top=0.4), "curve": curve(bed)}, bed.folder)
     picture_3d.draw(os.path.join(bed.folder, "bed.h5"), os.path.join(bed.folder, "grains.png"), cut="none")
     verdict.end()
 

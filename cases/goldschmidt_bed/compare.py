@@ -15,24 +15,11 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import drag_check  # noqa: E402
 import picture_3d  # noqa: E402
 import plot_fields  # noqa: E402
-from verdict import NO_PICTURES, Bed, Verdict, by_chance, command_line, correlated_mean, ledgers, momentum, packed_fluidisation, save, save_compared, usual_pictures  # noqa: E402
+from verdict import NO_PICTURES, Bed, Verdict, carries_weight, command_line, correlated_mean, fluidises_as_wen_yu, ledgers, left_and_right, save, save_compared, usual_pictures  # noqa: E402
 
 D_P, RHO_P = 2.5e-3, 2526.0      # as in.goldschmidt_bed has it
 LOW = (0.5, 0.9)                 # m/s, held before
 ALARMS, LEAST = 1e-3, 0.5        # of the check of symmetry: rate of false alarms, s of means that it needs
-
-
-def forces(bed, verdict, short):
-    floor, lid, *sides = bed.mean[:, 2:8].T
-    dp, share, scatter = momentum(bed, verdict, {"floor on grains": floor, "lid on grains": lid, "sides on grains": sum(sides)}, 5e-3 if short else 1e-3)
-    verdict.if_long(short, 0.9 - 3 * scatter <= share <= 1.03 + 3 * scatter, f"mean pressure drop {dp.mean():.0f} Pa, standard deviation {dp.std():.0f} Pa: it carries {100 * share:.1f} +- {100 * scatter:.1f} % of the buoyant weight "
-                    "(wanted: 90 to 103 %, give or take three standard errors; floor and rubbing walls carry the rest)")
-
-
-def minimum_fluidisation(bed, verdict, short):
-    hold = int(np.argmax(np.diff(bed.now[:, 12]) != 0)) * (bed.now[1, 0] - bed.now[0, 0])
-    U_mf, wen_yu, drops = packed_fluidisation(bed, LOW, hold, bed.weight / bed.section)
-    verdict.if_long(short, abs(U_mf / wen_yu - 1) <= 0.3, f"packed bed: {drops[0]:.0f} and {drops[1]:.0f} Pa at {LOW[0]} and {LOW[1]} m/s; minimum fluidisation by them {U_mf:.3f} m/s, Wen & Yu (1966) {wen_yu:.3f} m/s (wanted: 30 %)")
 
 
 def bubbling(bed, verdict, short):
@@ -48,14 +35,6 @@ def bubbling(bed, verdict, short):
     middle, side = np.abs(x - x.mean()) < 0.2 * width, np.abs(x - x.mean()) > 0.4 * width
     up, down = flux[k][:, middle].mean(), flux[k][:, side].mean()
     verdict.if_long(short, up > 0 > down, f"flux of grains in the upper bed: {up:+.4f} m/s in the middle, {down:+.4f} m/s at the walls (wanted: up and down)")
-
-
-def symmetry(bed, verdict, short):
-    series = 2 * bed.now[bed.averaged(bed.now), 10] / (bed.n * np.pi / 6 * D_P**3 * RHO_P) - 1
-    enough = bed.length - bed.begin >= LEAST
-    mean, error, independent, bound = by_chance(series, ALARMS)
-    enough = enough and independent >= 4
-    verdict.if_long(short or not enough, abs(mean) <= max(bound, 1e-12), f"mass right less left: {100 * mean:+.2f} +- {100 * error:.2f} % ({independent:.0f} independent values): {abs(mean) / bound:.2f} of what chance exceeds once in {1 / ALARMS:.0f} runs (wanted: 1)" + ("" if enough else "; the series is too short for it: no verdict"))
 
 
 def curve(bed):
@@ -78,10 +57,10 @@ def main():
     verdict.note(f"{bed.n:.0f} grains, {bed.inflow / bed.section:.3f} m/s, {bed.length:.2f} s, means from {bed.begin:.2f} s")
     ledgers(bed, verdict)
     drag_check.check(bed.file, verdict)
-    forces(bed, verdict, short)
-    minimum_fluidisation(bed, verdict, short)
+    carries_weight(bed, verdict, short)
+    fluidises_as_wen_yu(bed, verdict, short, LOW, 12)
     bubbling(bed, verdict, short)
-    symmetry(bed, verdict, short)
+    left_and_right(bed, verdict, short, bed.n * np.pi / 6 * D_P**3 * RHO_P, ALARMS, LEAST)
     t = bed.mean[:, 0] * bed.step
     save_compared(folder, [dict(title="Pressure drop", x_label="time / s", y_label="pressure drop / Pa", x=t[::10], mean=bed.mean[::10, 1], error=None, references=[dict(label="buoyant weight / area", x=[0, t[-1]], y=2 * [bed.weight / bed.section], line=True)])])
     if not NO_PICTURES:

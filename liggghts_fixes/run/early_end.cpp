@@ -26,20 +26,21 @@ class WatchedVerlet : public Verlet {
   void run(int n) override {
     for (long long done = 0; done < n;) {
       const long long left = n - done, to_end = early_end_.steps_to_end();
-      if (to_end > 0 && to_end <= left) return end_after(to_end, done);
+      if (to_end > 0 && to_end <= left) return end_after(to_end, done, true);
       const long long piece = std::min({early_end_.steps_to_look(), early_end_.steps_undecided(), left});
       Verlet::run(int(piece));
       done += piece;
       Status::of_process().step(update->ntimestep);
       // One step more, known as the last one: fixes note in it what the next run's set-up reads.
-      if (early_end_.look(piece) && done < n) return end_after(1, done);
+      if (early_end_.look(piece) && done < n) return end_after(1, done, false);
     }
   }
 
  private:
-  void end_after(long long steps, long long done) {
+  /// whole: as at the end of any run, with its last line of thermo.
+  void end_after(long long steps, long long done, bool whole) {
     const bigint last = update->laststep = update->ntimestep + steps;
-    if (steps > 1) {  // as at the end of any run
+    if (whole) {
       output->next_thermo = std::min(output->next_thermo, last);
       output->next = std::min(output->next, last);
       modify->addstep_compute(last);

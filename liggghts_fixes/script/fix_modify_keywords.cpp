@@ -170,6 +170,7 @@ void parse_output(const Line& line) {
       out.average_auto = words.take_if("auto");
       out.average_from =
           out.average_auto ? 0 : words.number("output average from", "a time in s, at least 0, or auto", kTimes);
+      out.until = 0;
       if (words.take_if("until"))
         out.until = words.number("output average until", "a relative standard error above 0, such as 0.02", kErrors);
     } else {

@@ -18,7 +18,7 @@ from harness import MPIRUN, Checks, Run, arguments, column, data_file, gas_balan
 
 SIDE, HIGH, N, R, U = 17e-3, 18e-3, 18, 5e-3, 0.4
 BALL = f"region ball sphere 0.0083 0.0087 0.0086 {R} units box"
-HALF = f"region half block INF INF INF INF 0.0086 INF units box"
+HALF = "region half block INF INF INF INF 0.0086 INF units box"
 FLOW = "f_gas[4] f_gas[5] f_gas[17] f_gas[18] f_gas[19]"
 
 
