@@ -46,6 +46,14 @@ def patches(bed, verdict):
     verdict(worst <= 1e-10, f"flux through a jet's patch: relative error at most {worst:.1e} (wanted 1e-10)")
 
 
+def height_of_void(axis, height):
+    """Up to which the void fraction along an axis stays above 0.7; infinity where it does so through the whole bed."""
+    if (axis >= 0.7).all():
+        return np.inf
+    k = int(np.argmax(axis < 0.7))  # the first that is not void
+    return 0.0 if k == 0 else np.interp(0.7, [axis[k], axis[k - 1]], [height[k], height[k - 1]])
+
+
 def penetration(bed, verdict, short):
     """Height above the nozzle up to which the mean void fraction on a jet's axis stays above 0.7, midway between the
     packed bed and the empty jet."""
@@ -54,17 +62,15 @@ def penetration(bed, verdict, short):
     height = plot_fields.centres(z)
     lengths = []
     for first, last in bed.jets:
-        column = np.searchsorted(x, 0.5 * (bed.x[first] + bed.x[last])) - 1
-        axis = eps[:, column]
-        k = int(np.argmax(axis < 0.7))  # the first that is not void
-        lengths.append(0.0 if k == 0 else np.interp(0.7, [axis[k], axis[k - 1]], [height[k], height[k - 1]]))
+        over = (x[1:] > bed.x[first] + 1e-6) & (x[:-1] < bed.x[last] - 1e-6)  # the columns of cells above it
+        lengths.append(height_of_void(eps[:, over].mean(axis=1), height))
     L = np.mean(lengths)
     d0 = np.sqrt(4 / np.pi * bed.jet_width * np.ptp(bed.y))  # circle of the slot's area
     froude = bed.U**2 / (G * d0)
     yang_keairns = 6.5 * d0 * np.sqrt(bed.rho_f / (RHO_P - bed.rho_f) * froude)
     merry = 5.2 * d0 * (bed.rho_f * d0 / (RHO_P * D_P))**0.3 * (1.3 * froude**0.2 - 1)
     lo, hi = 0.6 * min(merry, yang_keairns), 1.4 * max(merry, yang_keairns)
-    each = ", ".join(f"{1e3 * l:.1f}" for l in lengths)
+    each = ", ".join(f"{1e3 * l:.1f}" if np.isfinite(l) else "through the bed" for l in lengths)
     verdict.if_long(short, lo <= L <= hi, f"jets reach {each} mm; Yang & Keairns (1978) {1e3 * yang_keairns:.1f} mm, Merry (1975) "
             f"{1e3 * merry:.1f} mm, with 40 % of scatter {1e3 * lo:.1f} to {1e3 * hi:.1f} mm")
     return L
@@ -100,6 +106,7 @@ def main():
     verdict.note(f"mean pressure drop {dp.mean():.1f} +- {batch_error(dp):.1f} Pa (8 batches), standard deviation {dp.std():.1f} Pa")
     L = penetration(bed, verdict, short)
     symmetry(bed, verdict)
+    L = min(L, 0.5 * bed.now[:, 3].max())
     save(usual_pictures(bed, [0.5 * L, L, 1.5 * L], top=min(1.15 * bed.now[:, 3].max(), bed.z[-1])), bed.folder)
     verdict.end()
 
