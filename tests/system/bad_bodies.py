@@ -15,7 +15,6 @@ import concurrent.futures
 from bodies import C, H, MU, R, RHO, WALL, WIDE, stl
 from harness import Checks, Run, arguments, column, head
 
-NO_MPIRUN = ()  # one rank each: some 30 processes, and starting is most of it
 
 MESH = "fix cad all mesh/surface file a.stl type 1"
 TUBE = f"region tube cylinder z {C[0]} {C[1]} {R} INF INF side out units box"
@@ -88,8 +87,7 @@ WRONG = {
 def behind_the_wall(c, executable):
     """A wall at 8.6 mm: six particle cells of 2.8 mm; the fourth is open for a sliver, the others behind it are closed."""
     side = "region side block 0.0086 INF INF INF INF INF units box"
-    run = Run(executable, script(side, "fix_modify gas solid a region side", grains=(0.004, 0.0125, 0.0155, 0.0165)).replace("f_gas[5]\n", "f_gas[5] f_gas[23] f_gas[24]\n"),
-              launcher=NO_MPIRUN)
+    run = Run(executable, script(side, "fix_modify gas solid a region side", grains=(0.004, 0.0125, 0.0155, 0.0165)).replace("f_gas[5]\n", "f_gas[5] f_gas[23] f_gas[24]\n"))
     t = run.thermo()
     c.true(f"grains in the cell behind the wall: {column(t, 'f_gas[23]')} (wanted: 1), and deeper: {column(t, 'f_gas[24]')} (wanted: 2), from the beginning",
            (column(t, "f_gas[23]") == 1).all() and (column(t, "f_gas[24]") == 2).all())
@@ -99,7 +97,7 @@ def behind_the_wall(c, executable):
 def other_bodies_than_the_checkpoints(c, executable):
     """LIGGGHTS' own way, by two scripts."""
     modify = "fix_modify gas solid a region ball"
-    first = Run(executable, script(BALL, modify, "write_restart a.restart\nfix_modify gas checkpoint write a.h5"), launcher=NO_MPIRUN)
+    first = Run(executable, script(BALL, modify, "write_restart a.restart\nfix_modify gas checkpoint write a.h5"))
     for name, before, change, words in (
             ("the same", BALL, modify, ()),
             ("a ball that is larger", BALL.replace("0.003 units", "0.0031 units"), modify, ("bodies", "solid")),
@@ -107,7 +105,7 @@ def other_bodies_than_the_checkpoints(c, executable):
             ("none", "", "", ("no bodies", "solid"))):
         lines = [line for line in script(before, f"{change}\nfix_modify gas checkpoint read {first.path}/a.h5").split("\n") if not line.startswith(("create_atoms", "set group", "region box"))]
         text = "\n".join(f"read_restart {first.path}/a.restart" if line.startswith("create_box") else line for line in lines)
-        run = Run(executable, text, expect_success=not words, launcher=NO_MPIRUN)
+        run = Run(executable, text, expect_success=not words)
         errors = [line for line in run.output.split("\n") if line.startswith("ERROR")]
         c.true(f"a checkpoint, and the script's bodies: {name}: {errors}", (run.code != 0) == bool(words) == (len(errors) == 1) and all(w in errors[0] for w in words))
 
@@ -120,7 +118,7 @@ def main():
         before, modify, *words = WRONG[name]
         further = words.pop() if isinstance(words[-1], dict) else {}
         text = with_hole(tube()) if "leaks" in name else tube()
-        run = Run(executable, script(before, "fix_modify gas " + modify, **further), expect_success=False, files={"a.stl": text}, launcher=NO_MPIRUN)
+        run = Run(executable, script(before, "fix_modify gas " + modify, **further), expect_success=False, files={"a.stl": text})
         errors = [line for line in run.output.split("\n") if line.startswith("ERROR")]
         return name, run.code != 0 and len(errors) == 1 and all(w in errors[0] for w in words), errors or run.output[-300:]
 
@@ -129,7 +127,7 @@ def main():
             c.true(f"{name}: {said}", good)
 
     def drop(before, modify, text=""):
-        run = Run(executable, script(before, modify and "fix_modify gas " + modify), files={"a.stl": text} if text else None, launcher=NO_MPIRUN)
+        run = Run(executable, script(before, modify and "fix_modify gas " + modify), files={"a.stl": text} if text else None)
         return column(run.thermo(), "f_gas[4]")[-1], run
 
     mesh = MESH + "\n" + WALL.format(what="mesh n_meshes 1 meshes cad")

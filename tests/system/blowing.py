@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 
 from bodies import WALL, spread, stl
-from harness import MPIRUN, Checks, Run, arguments, column, data_file, gas_balance, head, head_with_particles, walls
+from harness import Checks, Run, arguments, column, data_file, gas_balance, head, head_with_particles, walls
 
 SIDE, HIGH, N, R, U = 17e-3, 18e-3, 18, 5e-3, 0.4
 BALL = f"region ball sphere 0.0083 0.0087 0.0086 {R} units box"
@@ -62,7 +62,7 @@ def ball(c, executable, most_ranks):
     for name, before, words, share, ranks in (("region", BALL, "region ball", 1, 1), ("mesh", mesh, "mesh cad", 1, 1), ("mesh on more ranks", mesh, "mesh cad", 1, most_ranks),
                                                ("upper half", BALL + "\n" + HALF, "region ball", 0.5, 1)):
         part = " from region half" if share < 1 else ""
-        run = Run(executable, empty(before, f"solid sparger {words} blow {U}{part} {OUTPUT}"), ranks=ranks, files={"a.stl": sphere}, options=TIGHT, launcher=() if ranks == 1 else MPIRUN)
+        run = Run(executable, empty(before, f"solid sparger {words} blow {U}{part} {OUTPUT}"), ranks=ranks, files={"a.stl": sphere}, options=TIGHT)
         wanted, out = share * 4 * np.pi * R * R * U, outflows(run)
         numbers = said(run, "cells cut, blows ")
         area, flow = numbers[1], numbers[-1]
@@ -85,20 +85,20 @@ def variable(c, executable):
     """A ramp: every frame has the flow of its time. And in two runs, and from a checkpoint."""
     ramp = f"variable U equal {U}*(1-exp(-step/15))\n" + BALL
     words = "solid sparger region ball blow v_U "
-    run = Run(executable, empty(ramp, words + OUTPUT), options=TIGHT, launcher=())
+    run = Run(executable, empty(ramp, words + OUTPUT), options=TIGHT)
     out, steady = outflows(run), 4 * np.pi * R * R * U
     steps = 10 * np.arange(1, len(out) + 1)
     area = said(run, "through ")[0]
     c.below("a ramp: flow of every frame, relative to the last velocity", np.abs(out - U * area * (1 - np.exp(-steps / 15))).max() / steady, 2e-3)
     c.true("and the report says that it follows a variable", "blows 0 m/s now (variable)" in run.output)
     text = empty(ramp, words + OUTPUT, "run 20\nwrite_restart a.restart\nfix_modify gas checkpoint write a.h5\nrun 20")
-    whole = Run(executable, text, options=TIGHT, launcher=())
+    whole = Run(executable, text, options=TIGHT)
     t, one = whole.thermo(), run.thermo()
     c.below("two runs against one: force, relative", abs(column(t, "f_gas[19]")[-1] / column(one, "f_gas[19]")[-1] - 1), 1e-9)
     lines = [line for line in text.split("\n") if not line.startswith(("region box", "create_atoms", "set group"))]
     text = "\n".join(f"read_restart {whole.path}/a.restart" if line.startswith("create_box") else line for line in lines)
     text = text.replace("run 20\nwrite", f"fix_modify gas checkpoint read {whole.path}/a.h5\nrun 20\nwrite").split("write_restart")[0].replace(OUTPUT, "")
-    on = Run(executable, text, options=TIGHT, launcher=())
+    on = Run(executable, text, options=TIGHT)
     names = [f"f_gas[{i}]" for i in (4, 17, 18, 19)]
     c.true("from a checkpoint: the same bits", [column(on.thermo(), n)[-1] for n in names] == [column(t, n)[-1] for n in names])
 
@@ -119,7 +119,7 @@ thermo_style custom step {' '.join(f'f_gas[{i}]' for i in (4, 5, 6, 7))}
 thermo_modify norm no
 thermo 20
 run 60
-""", files={"particles.data": data_file(f"0 {SIDE} 0 {SIDE} 0 {HIGH}", x, d, 2500)}, options=TIGHT, launcher=())
+""", files={"particles.data": data_file(f"0 {SIDE} 0 {SIDE} 0 {HIGH}", x, d, 2500)}, options=TIGHT)
         t = run.thermo()
         drops[name] = column(t, "f_gas[4]")[-1]
         c.below(f"{name}: continuity, solids volume, momentum exchange", max(column(t, "f_gas[5]").max(), column(t, "f_gas[6]").max(), column(t, "f_gas[7]").max()), 1e-6)
@@ -170,7 +170,7 @@ def refused(c, executable):
             ("a sheet", "fix cad all mesh/surface file a.stl type 1", "solid sparger mesh cad sheet blow 0.1", ("solid sparger blow", "sheet"), {}),
             ("twice", BALL, one + "0.1 blow 0.2", ("blow twice",), {}),
             ("no outlet", BALL, one + "0.1", ("solid sparger blow", "no outlet", "pressure 0"), dict(boundary="boundary zhi slip"))):
-        run = Run(executable, empty(before, modify, **more), files={"a.stl": stl([(R, 0.0), (R, HIGH)])}, expect_success=False, launcher=())
+        run = Run(executable, empty(before, modify, **more), files={"a.stl": stl([(R, 0.0), (R, HIGH)])}, expect_success=False)
         errors = [line for line in run.output.split("\n") if line.startswith("ERROR")]
         c.true(f"{name}: {errors}", run.code != 0 and len(errors) == 1 and all(w in errors[0] for w in words))
 

@@ -189,7 +189,7 @@ thermo_style custom step f_gas[20] f_gas[21] f_gas[22]
 thermo_modify norm no
 thermo 60
 run 60
-""", launcher=())
+""")
     torque = [last(run, f"f_gas[{i}]") / (-4 * np.pi * mu * a**3 * 2 * v / side) for i in (20, 21, 22)]
     c.below(f"torque on a ball in shear, over its Stokes flow's {torque[1]:.4f}; relative", abs(torque[1] - 1), 0.04)
     c.below("torque about the other axes, relative", np.hypot(torque[0], torque[2]), 1e-3)

@@ -14,7 +14,7 @@ import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from harness import MPIRUN, Checks, Run, arguments, long_form, narrow_bed, poured
+from harness import Checks, Run, arguments, launch, long_form, narrow_bed, poured
 
 SCRIPT = narrow_bed() + poured(300) + """\
 fix gas all twogrid fine 36 1 40 ratio 6 1 4 density 1.2 viscosity 1.8e-5 every 10
@@ -30,7 +30,7 @@ def run(executable, ranks, folder, where, *options, keep=2, between=None):
     os.makedirs(folder, exist_ok=True)
     with open(os.path.join(folder, "in.test"), "w") as f:
         f.write(SCRIPT.replace("FOLDER", where).replace("KEEP", str(keep)))
-    command = ([*MPIRUN, "-np", str(ranks)] if ranks > 1 else []) + [os.path.abspath(executable), "-in", "in.test", *options]
+    command = launch(ranks) + [os.path.abspath(executable), "-in", "in.test", *options]
     p = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
     if between:
         while p.poll() is None and not names(os.path.join(folder, where)):

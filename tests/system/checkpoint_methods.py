@@ -13,7 +13,7 @@ import tempfile
 import h5py
 import numpy as np
 
-from harness import MPIRUN, Checks, Run, arguments, data_file, head_with_particles, long_form, walls
+from harness import Checks, Run, arguments, data_file, head_with_particles, launch, long_form, walls
 
 BOX = "0 0.008 0 0.008 0 0.016"
 DEPOSITS = ("centroid", "trilinear", "exact", "cube 0.004")
@@ -70,7 +70,7 @@ def main():
                 shutil.copytree(a.path, path)
                 kept = sorted(os.listdir(os.path.join(path, "in.test.checkpoints")))
                 shutil.rmtree(os.path.join(path, "in.test.checkpoints", kept[1]))
-                again = subprocess.run([*MPIRUN, "-np", str(n), os.path.abspath(executable), "-in", "in.test", "-restart", "auto"], cwd=path, stdout=subprocess.PIPE,
+                again = subprocess.run([*launch(n), os.path.abspath(executable), "-in", "in.test", "-restart", "auto"], cwd=path, stdout=subprocess.PIPE,
                                        stderr=subprocess.STDOUT, text=True, errors="replace", timeout=100)
                 differ = differences(results(a.path), results(path)) if again.returncode == 0 and "goes on from" in again.stdout else ["not gone on"]
             if differ or len(kept) != 2:

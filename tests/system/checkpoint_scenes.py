@@ -13,7 +13,7 @@ import sys
 import h5py
 import numpy as np
 
-from harness import MPIRUN, Checks, Run, arguments, data_file
+from harness import Checks, Run, arguments, data_file
 
 DT = 1e-5
 HEAD = """
@@ -120,12 +120,12 @@ run {self.steps[1]}
         data = data_file(self.box, x, 1e-3, 2500, v).replace("1 atom types", "2 atom types")
         middle = f"run {self.steps[0]}\nwrite_restart half\nfix_modify gas checkpoint write half.h5\n{self.between}"
         return Run(executable, self.script("read_data particles.data", ranks, "one", middle), ranks, self.options,
-                   files={"particles.data": data, "plate.stl": PLATE, "face.stl": FACE}, launcher=MPIRUN if ranks > 1 else ())
+                   files={"particles.data": data, "plate.stl": PLATE, "face.stl": FACE})
 
     def second(self, executable, ranks, before, middle="", expect_success=True, left_out=None):
         middle = f"fix_modify gas checkpoint read {before.file('half.h5')}\n{self.between}" + middle
         return Run(executable, self.script(f"read_restart {before.file('half')}", ranks, "two", middle), ranks, self.options, files={"plate.stl": PLATE, "face.stl": FACE}, expect_success=expect_success,
-                   environment={"TWOGRID_CHECKPOINT_LEAVE_OUT": left_out} if left_out else {}, launcher=MPIRUN if ranks > 1 else ())
+                   environment={"TWOGRID_CHECKPOINT_LEAVE_OUT": left_out} if left_out else {})
 
 
 AIR, LIQUID = "density 1.2 viscosity 1.8e-5 every 10", "density 1000 viscosity 1e-3 every 10"

@@ -71,6 +71,11 @@ class Checks:
         sys.exit(1 if self.failed else 0)
 
 
+def launch(ranks, launcher=MPIRUN):
+    """How a command begins that starts the program on so many ranks: a lone one without mpirun, which takes longer than it."""
+    return [*launcher, "-np", str(ranks)] if ranks > 1 else []
+
+
 class Run:
     """A finished run: its log, thermo table, dumps and output file in a scratch folder of its own."""
 
@@ -82,8 +87,7 @@ class Run:
                 f.write(text)
         with open(os.path.join(self.path, "in.test"), "w") as f:
             f.write(script)
-        start = [*launcher, "-np", str(ranks)] if launcher else []  # none: one rank, without mpirun
-        command = start + [os.path.abspath(executable), "-in", "in.test", *options]
+        command = launch(ranks, launcher) + [os.path.abspath(executable), "-in", "in.test", *options]
         done = subprocess.run(command, cwd=self.path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
                               timeout=timeout, env={**os.environ, **(environment or {})})
         self.output, self.code = done.stdout, done.returncode

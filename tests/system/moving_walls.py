@@ -10,7 +10,7 @@ References: Couette flow between cylinders, torque 4 pi mu w r1^2 r2^2/(r2^2 - r
 import numpy as np
 
 from bodies import WALL, stl
-from harness import MPIRUN, Checks, Run, arguments, column, head
+from harness import Checks, Run, arguments, column, head
 
 R1, R2, W, N = 0.2, 0.42, 1.5, 32
 C = (0.503, 0.491)
@@ -71,7 +71,7 @@ def files(axis, sides=FACETS):
 
 
 def go(executable, text, axis=2, ranks=1, sides=FACETS, **more):
-    return Run(executable, text, ranks=ranks, files=files(axis, sides), launcher=() if ranks == 1 else MPIRUN, **more)
+    return Run(executable, text, ranks=ranks, files=files(axis, sides), **more)
 
 
 def torques(run, axis):
@@ -120,7 +120,7 @@ thermo_style custom step f_gas[17] f_gas[23]
 thermo_modify norm no
 run 400
 """
-    run = Run(executable, text, launcher=())
+    run = Run(executable, text)
     t = run.thermo()
     wanted = MU * U / gap * 0.25 * THIN
     c.below("a belt: force on it, relative error", abs(column(t, "f_gas[17]")[-1] / -wanted - 1), 1e-5)

@@ -53,7 +53,7 @@ def run(executable, d, g, axis, dt, steps, two_way=False, cell=None, every=1):
     vector = ["0", "0", "0"]
     vector[axis] = "1"
     data = data_file(f"0 {L!r} 0 {L!r} 0 {L!r}", [[L / 2 + 0.1 * d, L / 2 + 0.2 * d, L / 2 + 0.15 * d]], d, RHO_P)
-    script = head_with_particles(dt, skin=d) + f"""
+    script = head_with_particles(dt, skin=max(d, L / 100)) + f"""  # few bins also in a large box
 fix grav all gravity {g} vector {' '.join(vector)}
 fix integrate all nve/sphere
 fix gas all twogrid fine {cells[0]} {cells[1]} {cells[2]} ratio 1 1 1 density {RHO} viscosity {MU} every {every}
@@ -83,12 +83,11 @@ def main():
             lo, hi = (d, hi) if RHO * terminal(d, 9.81) * d / MU < re else (lo, d)
         vt = terminal(d, 9.81)
         tau = RHO_P / (RHO_P - RHO) * vt / 9.81
+        exact_of = {fraction: [reference(d, 9.81, k * fraction * tau) for k in range(1, round(5 / fraction) + 1)] for fraction in (0.5, 0.1)}
         for axis in (0, 1, 2):
-            for fraction in (0.5, 0.1):
-                dt = fraction * tau
-                steps = int(round(5 * tau / dt))
+            for fraction, exact in exact_of.items():
+                dt, steps = fraction * tau, len(exact)
                 x, v, other = run(executable, d, 9.81, axis, dt, steps)
-                exact = [reference(d, 9.81, k * dt) for k in range(1, steps + 1)]
                 ev = max(abs(v[k] - exact[k - 1][0]) for k in range(1, steps + 1)) / vt
                 ex = abs(x[-1] - exact[-1][1]) / exact[-1][1]
                 c.below(f"Re {re} axis {axis} dt {fraction} tau: velocity error / v_t", ev, 0.006)
@@ -97,7 +96,7 @@ def main():
             x, v, _ = run(executable, d, 9.81, axis, 4 * tau, 40)
             c.true(f"Re {re} axis {axis} dt 4 tau: monotone", bool(np.all(np.diff(v) > -1e-9 * vt)))
             c.below(f"Re {re} axis {axis} dt 4 tau: limit", abs(v[-1] - vt) / vt, 0.001)
-    for cell in (2, 4, 8):
+    for cell in (4, 8):
         d = 1e-3
         vt = terminal(d, 9.81)
         tau = RHO_P / (RHO_P - RHO) * vt / 9.81

@@ -21,7 +21,7 @@ import time
 import h5py
 import numpy as np
 
-from harness import MPIRUN, Checks, arguments, data_file, head, head_with_particles, walls
+from harness import Checks, arguments, data_file, head, head_with_particles, launch, walls
 
 BOX, D = "0 0.008 0 0.004 0 0.012", 1e-3
 GAS = walls(zplane=(0,)) + """
@@ -62,7 +62,7 @@ class Folder:
 
     def start(self, text, ranks=None, options=()):
         self.put("in.test", text)
-        return subprocess.Popen([*MPIRUN, "-np", str(ranks or self.ranks), self.executable, "-in", "in.test", *options], cwd=self.path, stdout=subprocess.PIPE,
+        return subprocess.Popen([*launch(ranks or self.ranks), self.executable, "-in", "in.test", *options], cwd=self.path, stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT, text=True, errors="replace")
 
     def run(self, text, ranks=None, success=True, options=()):

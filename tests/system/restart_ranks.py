@@ -18,7 +18,7 @@ import tempfile
 import h5py
 import numpy as np
 
-from harness import MPIRUN, Checks, Run, arguments, data_file, head, head_with_particles, poured, read_thermo, walls
+from harness import Checks, Run, arguments, data_file, head, head_with_particles, launch, poured, read_thermo, walls
 
 BOX = "0 0.0216 0 0.0048 0 0.036"
 WALLS = walls(xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,))
@@ -59,7 +59,7 @@ def gone_on(executable, ranks, run):
     for name in names[1:]:
         shutil.rmtree(os.path.join(path, "in.test.checkpoints", name))
     os.unlink(os.path.join(path, "at_once.h5"))
-    done = subprocess.run([*MPIRUN, "-np", str(ranks), os.path.abspath(executable), "-in", "in.test", "-restart", "auto"], cwd=path, stdout=subprocess.PIPE,
+    done = subprocess.run([*launch(ranks), os.path.abspath(executable), "-in", "in.test", "-restart", "auto"], cwd=path, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, errors="replace", timeout=3000)
     if done.returncode != 0:
         print(done.stdout[-3000:])

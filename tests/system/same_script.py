@@ -14,7 +14,7 @@ import tempfile
 import h5py
 import numpy as np
 
-from harness import MPIRUN, Checks, Run, arguments, long_form, narrow_bed, poured, walls
+from harness import Checks, Run, arguments, launch, long_form, narrow_bed, poured, walls
 
 WALLS = walls(xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,))
 POUR = poured(300).replace("run 1\n", "variable poured equal count(all)\nrun 1\n") + """\
@@ -131,7 +131,7 @@ def gone_on(executable, ranks, run, name, change=lambda s: s, options=("-var", "
         script = change(f.read())
     with open(os.path.join(path, "in.test"), "w") as f:
         f.write(script)
-    again = subprocess.run([*MPIRUN, "-np", str(ranks), os.path.abspath(executable), "-in", "in.test", *options], cwd=path, stdout=subprocess.PIPE,
+    again = subprocess.run([*launch(ranks), os.path.abspath(executable), "-in", "in.test", *options], cwd=path, stdout=subprocess.PIPE,
                            stderr=subprocess.STDOUT, text=True, errors="replace", timeout=100)
     return folder, path, again
 

@@ -49,7 +49,7 @@ undump out
 
 def Run(executable, script, ranks=1, options=(), **more):
     """One rank is started without mpirun, which takes longer than most of these runs."""
-    return harness.Run(executable, script, ranks, options, launcher=harness.MPIRUN if ranks > 1 else None, **more)
+    return harness.Run(executable, script, ranks, options, **more)
 
 
 def head(box, dt=2e-5, skin=4e-4, types=1):

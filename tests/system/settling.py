@@ -61,7 +61,7 @@ def main():
                 exact = (ratio - 1) * RHO * V * G * EPS / (3 * math.pi * viscosity(ratio) * D)
                 errors, swings = [], []
                 for k in (0.01, 1, 100):
-                    data, text = script(ratio, k, formulation, closed, 30 if k >= 1 else int(12 / k) if k == 0.1 else 1000)
+                    data, text = script(ratio, k, formulation, closed, {0.01: 1000, 1: 30, 100: 12}[k])
                     r = Run(executable, text, 1, ["-fluid_pressure_rtol", "1e-9"], files={"particles.data": data}, expect_success=False)
                     if r.code:
                         c.true(f"{formulation} ratio {ratio} Delta {k} tau runs: {r.output[-300:]}", False)

@@ -17,7 +17,7 @@ import time
 
 import numpy as np
 
-from harness import MPIRUN, Checks, arguments, column, data_file, head_with_particles, walls
+from harness import MPIRUN, Checks, arguments, column, data_file, head_with_particles, launch, walls
 from harness import Run as HarnessRun
 
 BOX = "0 0.008 0 0.004 0 0.008"
@@ -37,7 +37,7 @@ AT_ONCE = [*MPIRUN, "--mca", "odls_base_sigkill_timeout", "0"]  # else mpirun sl
 
 class Run(HarnessRun):
     def __init__(self, executable, script, ranks, *words, **values):
-        super().__init__(executable, script, ranks, *words, launcher=AT_ONCE if ranks > 1 else None, **values)
+        super().__init__(executable, script, ranks, *words, launcher=AT_ONCE, **values)
 
 
 def script(dt=1e-5, closed=True, motion="fix motion all nve/sphere\n", every=10, modify="", gas=GAS, **values):
@@ -61,7 +61,7 @@ def followed(c, executable, ranks):
         for name, content in (("in.test", text), ("particles.data", data_file(BOX, GRID, 0.9e-3, 2500))):
             with open(os.path.join(folder, name), "w") as f:
                 f.write(content)
-        command = MPIRUN + ["-np", str(ranks), os.path.abspath(executable), "-in", "in.test", "-log", "log/second.log"]
+        command = launch(ranks) + [os.path.abspath(executable), "-in", "in.test", "-log", "log/second.log"]
         os.mkdir(os.path.join(folder, "log"))
         p = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
         path, seen, broken = os.path.join(folder, "log", "second.status.json"), [], 0
