@@ -45,6 +45,13 @@ std::vector<std::string> CouplingWatch::look(const Report& r, int steps, double 
     said.push_back("a particle crosses " + text(r.travel) + " particle cells in a coupling interval of " +
                    std::to_string(steps) + " steps, wanted: at most " + text(kTravel) + "; " +
                    shorter_interval(r.travel, steps, dem_dt));
+  if (unheld_ && steps > 0 && drag_.due(r.max_drag_number, kUnheld))
+    said.push_back("a coupling interval of " + std::to_string(steps) + " steps lasts " + brief(r.max_drag_number) +
+                   " response times of a particle, wanted with 'hold off': at most " + brief(kUnheld) +
+                   ", above which fluid and particles swing each other up; leave 'hold' out (auto), or lower every" +
+                   (steps * kUnheld >= r.max_drag_number
+                        ? " to " + std::to_string(int(steps * kUnheld / r.max_drag_number))
+                        : " to 1 and timestep to " + brief(dem_dt * steps * kUnheld / r.max_drag_number) + " s"));
   const double solids = r.solid_volume > 0 ? 1 / r.solid_volume : 0.0;
   const bool clip = bound_ == EpsBound::kClip;
   const std::string bound = std::string("'eps bound ") + (clip ? "clip " : "move ") + text(eps_min_) + "'";

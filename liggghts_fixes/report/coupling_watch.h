@@ -14,6 +14,9 @@ class CouplingWatch {
  public:
   /// Particle cells that a particle may cross in a coupling interval: beyond, a bed's means change (tests/stability).
   static constexpr double kTravel = 0.3;
+  /// Response times that an interval may last with 'hold off': a periodic suspension swings up from 0.3 to 0.35 of them on
+  /// (settling.py; held fluxes have no such limit).
+  static constexpr double kUnheld = 0.3;
   static constexpr double kMoved = 0.01;  ///< of the solids' volume may be moved (or thrown away) by the eps bound
   static constexpr double kError = 1e-9;  ///< relative error of solid volume and momentum: round-off lies far below
 
@@ -25,6 +28,7 @@ class CouplingWatch {
   explicit CouplingWatch(const Settings& settings)
       : bound_(settings.bound),
         eps_min_(settings.eps_min),
+        unheld_(settings.hold_flux == Choice::kOff && !settings.one_way),
         dt_(settings.fluid.convection == Convection::kNone ? 0.0 : settings.fluid.dt) {}
 
   /// Throws std::runtime_error with a sentence where the Courant number is out of hand. After a coupling over `steps` DEM steps of dem_dt seconds; steps 0: the first deposit. Usually no sentence.
@@ -44,8 +48,10 @@ class CouplingWatch {
     bool due(double value, double limit);
   };
   EpsBound bound_ = EpsBound::kMove;
-  double eps_min_ = 0, dt_ = 0;
-  Told courant_, travel_, moved_, unplaced_, behind_, volume_, momentum_;
+  double eps_min_ = 0;
+  bool unheld_ = false;
+  double dt_ = 0;
+  Told courant_, drag_, travel_, moved_, unplaced_, behind_, volume_, momentum_;
 };
 
 /// At a coupling. now: particles of all ranks, less those that were inserted so far, so that it only falls. most: of

@@ -4,6 +4,7 @@
 #include "cfd/boundary/patches.h"
 #include "coupling/forces/drag.h"
 #include "liggghts_fixes/report/bed_end.h"
+#include "liggghts_fixes/report/coupling_watch.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/script/boundary_words.h"
 #include "liggghts_fixes/script/keywords.h"
@@ -80,10 +81,10 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
                 " DEM steps, fewer than 10: lower timestep below " + brief(facts.contact_time / 20) +
                 " s, or soften the contact");
   const double interval = s.every * facts.dem_dt;
-  if (n.tau > 0 && below(0.5 * n.tau, interval) && s.hold_flux == Choice::kOff)
+  if (n.tau > 0 && below(CouplingWatch::kUnheld * n.tau, interval) && s.hold_flux == Choice::kOff)
     w.push_back("the coupling interval is " + brief(interval / n.tau) +
                 " response times of the bed with 'hold off': lower every below " +
-                std::to_string(std::max(1, int(0.5 * n.tau / facts.dem_dt))) + ", or 'hold auto'");
+                std::to_string(std::max(1, int(CouplingWatch::kUnheld * n.tau / facts.dem_dt))) + ", or 'hold auto'");
   if (below(5, n.cfl))
     w.push_back("the fluid crosses " + brief(n.cfl) + " fine cells in one coupling interval: lower every towards " +
                 std::to_string(std::max(1, int(s.every / n.cfl))) +

@@ -4,7 +4,7 @@ response times, formulations A and B; closed (no net flux of the mixture) and op
 pressure gradient).
 
 Without this test a fluid velocity frozen over the interval would pass, which blows up from 0.2 (gas) or 0.01 (light
-particles, A) response times on; so would a held flux that settles at the wrong slip.
+particles, A) response times on; so would a held flux that settles at the wrong slip, and 'hold off' where it can't hold, without a word.
 Reference: slip = (rho_p - rho_f) V_p g eps / b with Stokes' drag b = 3 pi mu d, from the balance of drag, pressure
 gradient and buoyant weight. Contacts are switched off (springs of 1e-12 N/m): the lattice overlaps.
 """
@@ -73,6 +73,11 @@ def main():
                 what = f"{formulation} {'closed' if closed else 'open'} ratio {ratio}: Delta 0.01 to 100 tau"
                 c.below(f"{what}: error of the steady slip", max(errors, default=np.nan), 5e-3)
                 c.below(f"{what}: overshoot of the slip", max(swings, default=np.nan) - 1, 0.1)
+    for k, told in ((0.4, True), (0.2, False)):
+        data, text = script(2.5, k, "B", True, 10)
+        r = Run(executable, text.replace("deposit trilinear", "deposit trilinear hold off"), files={"particles.data": data})
+        c.true(f"'hold off' and an interval of {k} response times: {'told' if told else 'not told'} during the run",
+               ("response times of a particle, wanted with 'hold off'" in r.output) == told)
     c.end()
 
 

@@ -104,6 +104,24 @@ TEST(CouplingWatch, TravelNamesWhatCanBeLowered) {
   EXPECT_EQ(remedy(0.6, 0), "");
 }
 
+TEST(CouplingWatch, ResponseTimeWithoutHolding) {
+  Settings s;
+  const auto said = [&](double drag_number, int steps) {
+    Report r = good();
+    r.max_drag_number = drag_number;
+    const auto all = CouplingWatch(s).look(r, steps, 1e-5);
+    return all.empty() ? std::string() : all[0];
+  };
+  EXPECT_EQ(said(50, 10), "");  // held where needed
+  s.hold_flux = Choice::kOff;
+  EXPECT_EQ(said(0.29, 10), "");
+  EXPECT_EQ(said(50, 0), "");
+  EXPECT_TRUE(has(said(0.6, 10), "lower every to 5")) << said(0.6, 10);
+  EXPECT_TRUE(has(said(6, 10), "lower every to 1 and timestep to 5e-06 s")) << said(6, 10);
+  s.one_way = true;
+  EXPECT_EQ(said(50, 10), "");
+}
+
 TEST(CouplingWatch, CourantNumberWithDt) {
   Settings s;
   s.fluid.dt = 1e-4;

@@ -148,7 +148,7 @@ TEST(SceneWarnings, EachHasItsCause) {
   EXPECT_TRUE(any_with(warnings(), "one-way"));
   s = scene();
   s.hold_flux = Choice::kOff;
-  s.every = 20000;  // 0.2 s; tau is 0.23 s
+  s.every = 8000;  // 0.08 s; tau is 0.23 s
   EXPECT_TRUE(any_with(warnings(), "response times"));
   EXPECT_TRUE(any_with(warnings(), "fine cells in one coupling interval"));
 }
