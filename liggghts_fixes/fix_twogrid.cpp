@@ -34,6 +34,7 @@
 #include "liggghts_fixes/run/petsc_session.h"
 #include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/run/signals.h"
+#include "liggghts_fixes/run/still_files.h"
 #include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/keywords.h"
 #include "liggghts_fixes/script/models.h"
@@ -227,6 +228,7 @@ void FixTwogrid::build() {
 void FixTwogrid::open_output(const SceneFacts& facts) {
   OutputSettings& out = script_.settings.output;
   if (out.file.empty() || (out.every <= 0 && out.average_from < 0)) return;
+  if (files_are_still()) return open_planned_output(facts);
   Record record = run_record(*lmp);
   record.settings = settings_texts(script_);
   out.keep_old = restarting();
@@ -278,6 +280,7 @@ void FixTwogrid::setup(int) {
     if (frame_due()) write_frame(p);
     schedule_.begin_run();
     watch_.begin_run(update->laststep - update->firststep, schedule_);
+    output_seconds_ += times_.output_seconds();
     times_.begin(update->ntimestep, coupling_->shares());
   });
 }
@@ -404,7 +407,7 @@ bool FixTwogrid::stands_at_planned_end() const {
 }
 
 bool FixTwogrid::frame_due() const {
-  return output_ && schedule_.frame_due(update->ntimestep, script_.settings.output.every);
+  return output_ && !files_are_still() && schedule_.frame_due(update->ntimestep, script_.settings.output.every);
 }
 
 void FixTwogrid::write_frame(const Particles& p) {
@@ -418,7 +421,7 @@ void FixTwogrid::post_run() {
   guarded([&] {
     if (output_) output_->finish();
     const std::string times = times_.text(world, coupling_->shares());
-    if (times_.done(update->ntimestep) > 0) watch_.say(times + "\n");
+    if (!files_are_still() && times_.done(update->ntimestep) > 0) watch_.say(times + "\n");
     watch_.warn_of_unused_options("-", "");
     if (accuracy_.on()) watch_.say(accuracy_text(accuracy_) + "\n");
     for (const std::string& sentence : blown_lines(script_, *fluid_)) watch_.say("twogrid: " + sentence + "\n");
@@ -429,6 +432,7 @@ void FixTwogrid::post_run() {
 
 double FixTwogrid::compute_vector(int i) {
   if (!coupling_) return 0;
+  if (i == 0) return coupling_->report().fluid_time + passed_time_;
   if (i < Report::kValues) return coupling_->report().values(script_.settings.every)[i];
   const std::size_t at = i - Report::kValues;
   return at < body_figures_.value.size() ? body_figures_.value[at] : 0;

@@ -52,6 +52,12 @@ namespace twogrid {
 class InsertionState;
 struct SceneFacts;
 
+/// Of an output file, for a plan.
+struct PlannedOutput {
+  double empty = 0, bytes = 0, means = 0;  ///< bytes of a file with its record; of a frame; of the means
+  double seconds = 0;                      ///< CPU, of a frame
+};
+
 class FixTwogrid : public LAMMPS_NS::Fix {
  public:
   static constexpr const char* kStyle = "twogrid";
@@ -103,6 +109,15 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void end_reached() { planned_end_.reached = true; }
   /// After a run: how sure the means are. Collective.
   void tell_sureness();
+  /// For a plan (planner.h): what it does, CPU seconds and fluid steps so far; whether the ranks' borders follow the particles.
+  const Settings& settings() const { return script_.settings; }
+  Shares shares() const;
+  long long fluid_steps() const;
+  bool borders_follow() const;
+  /// What a frame and the means take. Collective.
+  PlannedOutput measure_output();
+  /// So many DEM steps have been passed over.
+  void pass(long long steps);
   /// A run command comes, and LIGGGHTS still has what a restart file holds of the particles.
   void before_run();
 
@@ -115,6 +130,7 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void look_at_bodies(SceneFacts& facts) const;
   void build();
   void open_output(const SceneFacts& facts);
+  void open_planned_output(const SceneFacts& facts);
   void make_balance();
   void read_beginning();
   Layout layout(const FineGrid& grid) const;
@@ -160,6 +176,10 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   Motion motion_;         // of this run
   bool watchers_ = true;  // see any_watchers()
   bool quiet_ = false;    // this step changes nothing
+
+  double passed_time_ = 0;                     // of a plan (s)
+  double output_seconds_ = 0;                  // CPU, of runs before the one in hand
+  double empty_file_ = 0, means_in_file_ = 0;  // bytes, of a plan
 
   BoxFacts box_;  // for which the fluid was made
   RunWatch watch_;

@@ -25,6 +25,8 @@ class Balance {
   bool move_borders();
   /// Of the fullest rank, particles over the mean, as it was found last; 1 before.
   double fullest() const { return fullest_; }
+  /// Whether no fix keeps anything of the ranks' parts of the box.
+  bool can_be_moved() const;
 
   /// What one look leaves to the next, apart from the borders: f(name, entry). S: Balance or const Balance.
   template <class S, class F>
@@ -33,7 +35,6 @@ class Balance {
   }
 
  private:
-  bool can_be_moved() const;
   double find_fullest() const;
 
   LAMMPS_NS::LAMMPS& lammps_;

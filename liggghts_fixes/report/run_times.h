@@ -18,6 +18,7 @@ class RunTimes {
   long long done(long long step) const { return step - first_step_; }
   /// Adds the CPU time of its life to the output's share.
   Stopwatch output() { return Stopwatch(output_); }
+  double output_seconds() const { return output_; }
   /// Where the run's time went, as a line (progress.h). Collective.
   std::string text(MPI_Comm comm, const Shares& so_far) const;
 

@@ -1,6 +1,7 @@
 #include "liggghts_fixes/run/command_line.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <stdexcept>
 
@@ -70,6 +71,16 @@ CommandLine split_command_line(const std::vector<std::string>& words) {
         while (i < words.size() && words[i][0] != '-') c.liggghts.push_back(words[i++]);
         const auto at = std::find(c.liggghts.rbegin(), c.liggghts.rend(), name).base();
         c.variables.emplace_back(at, c.liggghts.end());
+      }
+    } else if (name == "-plan" || name == "--plan") {
+      c.plan = kPlanSeconds;
+      if (i < words.size() && words[i][0] != '-') {
+        char* end = nullptr;
+        c.plan = std::strtod(words[i].c_str(), &end);
+        if (*end != '\0' || !(c.plan > 0 && c.plan < 1e6))
+          throw std::invalid_argument("command line: found -plan " + words[i] +
+                                      ", wanted -plan, perhaps with the seconds to measure for");
+        ++i;
       }
     } else if (name == "-version" || name == "--version") {
       c.version = true;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "liggghts_fixes/report/status.h"
+#include "liggghts_fixes/run/still_files.h"
 
 namespace twogrid {
 namespace {
@@ -38,8 +39,22 @@ void say(LAMMPS_NS::LAMMPS* lammps, const std::string& text) {
 std::string shown;
 constexpr std::size_t kShown = 4096;
 
+bool is_quiet = false;
+
+/// The lines of errors and warnings.
+size_t show_worst(const char* text, size_t n) {
+  static std::string line;
+  for (size_t i = 0; i < n; ++i) {
+    line += text[i];
+    if (text[i] != '\n') continue;
+    if (line.rfind("ERROR", 0) == 0 || line.rfind("WARNING", 0) == 0) std::fputs(line.c_str(), stdout);
+    line.clear();
+  }
+  return n;
+}
+
 ssize_t show(void*, const char* text, size_t n) {
-  const size_t written = std::fwrite(text, 1, n, stdout);
+  const size_t written = is_quiet ? show_worst(text, n) : std::fwrite(text, 1, n, stdout);
   std::fflush(stdout);
   shown.append(text, written);
   if (shown.size() > 2 * kShown) shown.erase(0, shown.size() - kShown);
@@ -95,11 +110,16 @@ void keep_sentences(LAMMPS_NS::LAMMPS* lammps) {
   lammps->screen = screen;
 }
 
+void quieten_screen() {
+  is_quiet = true;
+}
+
 void write_last_sentence() {
   if (watched && watched->screen) std::fflush(watched->screen);
   if (watched && watched->logfile) std::fputs(last_error().c_str(), watched->logfile);
   Status::of_process().fail_alone(last_sentence());
   std::fflush(nullptr);
+  forget_still_files();
 }
 
 void end_with_error(LAMMPS_NS::LAMMPS* lammps, MPI_Comm comm, const std::string& sentence, int code) {
@@ -117,6 +137,7 @@ void end_with_error(LAMMPS_NS::LAMMPS* lammps, MPI_Comm comm, const std::string&
   say(lammps, "ERROR on rank " + std::to_string(rank) + ": " + sentence);
   Status::of_process().fail_alone(sentence);
   std::fflush(nullptr);
+  forget_still_files();
   PMPI_Abort(MPI_COMM_WORLD, code);
   std::_Exit(code);
 }

@@ -15,6 +15,9 @@ namespace twogrid {
 /// too. With null before lammps is deleted. Local.
 void keep_sentences(LAMMPS_NS::LAMMPS* lammps);
 
+/// The screen tells of LIGGGHTS' errors and warnings only. After keep_sentences().
+void quieten_screen();
+
 /// To be called with the sentence of an error by every rank that has one. If all ranks arrive here within two seconds,
 /// rank 0 says it, on screen and in the log, MPI and PETSc are finalised and the exit code is `code`. Otherwise the error is
 /// of some ranks only: each of these says its own sentence and MPI_Abort ends all ranks. comm: one of its own,

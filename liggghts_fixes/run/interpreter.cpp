@@ -20,6 +20,7 @@
 #include "cfd/parallel/ranks.h"
 #include "coupling/checkpoint/checksum.h"
 #include "liggghts_fixes/run/old_files.h"
+#include "liggghts_fixes/run/still_files.h"
 
 namespace twogrid {
 
@@ -168,6 +169,7 @@ void Interpreter::execute_parsed() {
   Command command{name};
   command.insert(command.end(), in.arg, in.arg + in.narg);
   if (name == "clear" && command.size() == 1) forget_scene(done_);
+  if (files_are_still() && leave_out(command)) return;
   const bool jumps = name == "jump" && !Inside::the_jump_skip(in);
   if (is_said_again(command, Inside::has_command(in, name))) done_.push_back(command);
   if (!Inside::execute(in))
@@ -175,6 +177,16 @@ void Interpreter::execute_parsed() {
   if (rank_of(lammps_.world) != 0) return;
   if (name == "include") names_.push_back(command.at(1));
   if (jumps && command.at(1) != "SELF") names_.back() = command[1];
+}
+
+/// In a script that is only planned: what other programs do, or what changes files.
+bool Interpreter::leave_out(const Command& command) const {
+  if (command[0] != "shell" || command.size() < 2 || command[1] == "cd" || command[1] == "putenv") return false;
+  if (command[1] == "mkdir")
+    for (std::size_t i = 2; i < command.size(); ++i) take_as_folder(command[i]);
+  else if (command[1] != "rm" && command[1] != "rmdir")
+    expect_missing_folders();
+  return true;
 }
 
 /// `quit` is the script's end like any other: LIGGGHTS' own leaves the process with the code of an error.

@@ -37,6 +37,8 @@ class Interpreter {
 
   bool from_file() const { return !script_.empty(); }
   const std::string& script() const { return script_; }
+  /// What would be said again: fixes, dumps, variables, ...
+  const std::vector<Command>& commands() const { return done_; }
   /// The script's place in rank 0; empty in the others. The run, if one is in hand, is the caller's to add.
   ResumePoint here() const;
   /// Executes what the script has done up to there, but for what acts on particles; the box comes from the restart file
@@ -52,6 +54,7 @@ class Interpreter {
   void execute(const std::string& line);
   void execute_parsed();
   void choose();
+  bool leave_out(const Command& command) const;
   void end_script();
   void again(Command command, const std::string& particles);
   std::string open_files(const ResumePoint& point);

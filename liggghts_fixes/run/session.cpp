@@ -85,6 +85,7 @@ Session::Session(LAMMPS& lammps, const CommandLine& line, Checkpoint from)
       interpreter_(lammps, line.script, line.variables),
       early_end_(lammps.world),
       from_(std::move(from)) {
+  if (line.plan > 0) planner_.emplace(lammps, line.script, line.plan);
   early_end_.set_plan(
       [this] {
         long long steps = std::numeric_limits<int>::max();
@@ -101,11 +102,14 @@ Session::Session(LAMMPS& lammps, const CommandLine& line, Checkpoint from)
 int Session::run() {
   if (!from_.path.empty()) go_on();
   if (!ended_) interpreter_.run([this] { return end_here(); });
+  if (planner_) planner_->finish(ended_);
   return early_end_.signal() != 0 && ended_ ? early_end_.signal() : 0;
 }
 
 /// Between two commands. Before the first run there is nothing to keep; later the next run keeps it.
 bool Session::end_here() {
+  if (planner_ && !ended_ && (planner_->has_enough() || (early_end_.look(0) && early_end_.signal() != 0)))
+    ended_ = true;
   if (!ended_ && !lammps_.update->first_update && early_end_.look(0) && early_end_.signal() != 0) {
     tell(lammps_, "twogrid: ended by signal " + std::to_string(early_end_.signal()) + " before the first run\n");
     ended_ = true;
@@ -132,11 +136,11 @@ class StatusOfRun {
 };
 
 void Session::run_command(const Command& words) {
-  let_runs_end(lammps_, early_end_);
+  planner_ ? planner_->let_runs_be_measured() : let_runs_end(lammps_, early_end_);
   for (FixTwogrid* f : fluids(lammps_)) f->before_run();
   std::optional<RunRequest> request = run_request(words, lammps_.update->ntimestep, lammps_.update->dt);
   if (!request) return stock_run(lammps_, words[0], Command(words.begin() + 1, words.end()));
-  run_parts(words, *request);
+  planner_ ? plan_parts(words, *request) : run_parts(words, *request);
 }
 
 /// The run's next end: of a part, or the step of a checkpoint.
@@ -181,6 +185,29 @@ void Session::run_parts(const Command& words, const RunRequest& request) {
     }
   }
   for (FixTwogrid* f : fluids(lammps_)) f->tell_sureness();
+}
+
+/// As run_parts, without checkpoints and ends that come in between.
+void Session::plan_parts(const Command& words, const RunRequest& r) {
+  const Update& update = *lammps_.update;
+  std::string line;
+  for (const std::string& w : words) line += (line.empty() ? "" : " ") + w;
+  planner_->begin_run(line);
+  bool set_up = r.pre;
+  for (bool first = true; first || update.ntimestep < r.end; first = false) {
+    const long long step = update.ntimestep, to = r.part_end(step);
+    planner_->begin_part();
+    stock_run(lammps_, "run", r.words(step, to, set_up));
+    planner_->end_part(to, interpreter_.commands());
+    interpreter_.note_run();
+    if (r.every > 0) {
+      lammps_.modify->clearstep_compute();
+      for (const std::string& c : r.commands) interpreter_.one(c);
+      lammps_.modify->addstep_compute(to + r.every);
+    }
+    if (end_here()) break;
+  }
+  planner_->end_run();
 }
 
 /// Whether the run stands at an end that was planned within it; or at its own, shortly before that one.
@@ -312,8 +339,8 @@ void Session::go_on() {
     lammps_.init();  // fixes that a run makes take what the restart file holds for them; new ones don't
     return;
   }
-  let_runs_end(lammps_, early_end_);
-  run_parts(words, *request);
+  planner_ ? planner_->let_runs_be_measured() : let_runs_end(lammps_, early_end_);
+  planner_ ? plan_parts(words, *request) : run_parts(words, *request);
 }
 
 }  // namespace twogrid

@@ -4,12 +4,14 @@
 
 #include <mpi.h>
 
+#include <optional>
 #include <string>
 
 #include "liggghts_fixes/run/checkpoint_folder.h"
 #include "liggghts_fixes/run/command_line.h"
 #include "liggghts_fixes/run/early_end.h"
 #include "liggghts_fixes/run/interpreter.h"
+#include "liggghts_fixes/run/planner.h"
 #include "liggghts_fixes/run/run_request.h"
 #include "liggghts_fixes/script/script.h"
 
@@ -29,6 +31,7 @@ class Session {
  private:
   void go_on();
   void run_parts(const Command& words, const RunRequest& request);
+  void plan_parts(const Command& words, const RunRequest& request);
   bool end_here();
   bool end_reached(bool at_its_own) const;
   long long part_to(const RunRequest& r, long long step) const;
@@ -39,6 +42,7 @@ class Session {
 
   LAMMPS_NS::LAMMPS& lammps_;
   Interpreter interpreter_;
+  std::optional<Planner> planner_;  // of a script that is only planned
   EarlyEnd early_end_;
   Checkpoint from_;
   bool limits_said_ = false;  // what LIGGGHTS doesn't restore
