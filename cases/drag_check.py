@@ -125,4 +125,4 @@ def check(file, verdict):
     if not n:
         verdict.note("drag: not computed anew: all grains lie at an inlet, and there are no faces in the file")
         return
-    verdict(abs(written / law - 1) <= bound, f"vertical drag on the grains of {len(pairs)} frames, {n / len(pairs):.0f} in each: {written / law:.3f} of what the law gives at the mean gas of their cells (wanted 1 +- {bound:g})")
+    verdict.between(1 - bound, written / law, 1 + bound, f"vertical drag on the grains of {len(pairs)} frames, {n / len(pairs):.0f} in each: {written / law:.3f} of what the law gives at the mean gas of their cells (wanted 1 +- {bound:g})")

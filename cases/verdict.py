@@ -19,21 +19,40 @@ NO_PICTURES = "TWOGRID_NO_PICTURES" in os.environ  # verdicts only
 
 
 class Verdict:
-    """Prints a line for each check; failed counts those that are not met."""
-    failed = 0
+    """Prints a line for each check; failed counts those that are not met. What was found and what was wanted of each goes to the file that
+    $TWOGRID_CHECKS names: false_alarms.py reads it. A check that a short run is too short for (short=True) is told without a verdict."""
 
-    def __call__(self, good, text):
+    def __init__(self):
+        self.failed, self.checks = 0, []
+
+    def __call__(self, good, text, short=False, figures=()):
+        """figures: what it hangs on, a tuple each: name, least, what was found, most."""
+        if short:
+            self.note(text)
+            return
+        good = bool(good)
         self.failed += not good
+        self.checks.append({"text": text, "good": good, "figures": [(name, float(least), float(found), float(most)) for name, least, found, most in figures]})
         print(f"{'PASS' if good else 'FAIL'}  {text}", flush=True)
+
+    def within(self, text, *figures, short=False):
+        """Every figure, a tuple (name, least, what was found, most), lies within its bounds; one that isn't a number doesn't."""
+        self(all(least <= found <= most for _, least, found, most in figures), text, short, figures)
+
+    def between(self, least, found, most, text, short=False):
+        self.within(text, ("", least, found, most), short=short)
+
+    def at_most(self, most, found, text, short=False):
+        """Of an error, which is 0 at best."""
+        self.between(0, found, most, text, short)
 
     def note(self, text):
         print(f"      {text}", flush=True)
 
-    def if_long(self, short, good, text):
-        """A check that a short run is too short for is told without a verdict."""
-        self.note(text) if short else self(good, text)
-
     def end(self):
+        if "TWOGRID_CHECKS" in os.environ:
+            with open(os.environ["TWOGRID_CHECKS"], "w") as f:
+                json.dump(self.checks, f)
         sys.exit(1 if self.failed else 0)
 
 
@@ -132,8 +151,8 @@ def ledgers(bed, verdict, fluid="gas"):
     """Grains, their volume, action and reaction, and the fluid's volume."""
     now, frames = bed.now, bed.file["fluid"]
     verdict(np.ptp(now[:, 2]) == 0, f"particles: {now[0, 2]:.0f} at the beginning, {now[-1, 2]:.0f} at the end")
-    verdict(now[:, 6].max() <= 1e-13, f"solid volume deposited: relative error at most {now[:, 6].max():.1e} (wanted 1e-13)")
-    verdict(now[:, 7].max() <= 1e-12, f"action and reaction: relative error at most {now[:, 7].max():.1e} (wanted 1e-12)")
+    verdict.at_most(1e-13, now[:, 6].max(), f"solid volume deposited: relative error at most {now[:, 6].max():.1e} (wanted 1e-13)")
+    verdict.at_most(1e-12, now[:, 7].max(), f"action and reaction: relative error at most {now[:, 7].max():.1e} (wanted 1e-12)")
     worst = 0
     for name in bed.frames:
         if frames[name]["time"][()] < bed.begin:
@@ -141,8 +160,8 @@ def ledgers(bed, verdict, fluid="gas"):
         flux, rate = frames[name]["faces/flux_z"], frames[name]["faces/deps_dt"][:]
         inflow, outflow, displaced = np.sum(flux[0] * bed.cell), np.sum(flux[-1] * bed.cell), -np.sum(rate * bed.volume)
         # Of what comes in; where nothing does, of what the grains displace.
-        worst = max(worst, abs(outflow - inflow - displaced) / (inflow or 0.5 * np.sum(np.abs(rate) * bed.volume)))
-    verdict(worst <= 1e-6, f"{fluid} out = {fluid} in + displaced: relative error at most {worst:.1e} (wanted 1e-6)")
+        worst = np.maximum(worst, abs(outflow - inflow - displaced) / (inflow or 0.5 * np.sum(np.abs(rate) * bed.volume)))
+    verdict.at_most(1e-6, worst, f"{fluid} out = {fluid} in + displaced: relative error at most {worst:.1e} (wanted 1e-6)")
     verdict.note(f"largest continuity error of a cell {now[1:, 5].max():.1e} U/h; smallest void fraction {now[1:, 9].min():.3f}; "
                  f"moved by its bound at most {now[:, 8].max():.1e} m3 of {bed.solids:.1e} m3")
 
@@ -151,7 +170,7 @@ def in_open_cells(bed, verdict):
     """All the grains' volume lies in what bodies leave open."""
     solids = np.sum((1 - bed.file["fluid"][bed.last]["eps"][:]) * bed.theta * bed.volume)
     off = abs(solids / bed.solids - 1)
-    verdict(off <= 1e-12, f"solids in the open parts of cells: {off:.1e} off the grains' volume (wanted 1e-12)")
+    verdict.at_most(1e-12, off, f"solids in the open parts of cells: {off:.1e} off the grains' volume (wanted 1e-12)")
 
 
 def momentum(bed, verdict, forces, bound=1e-3, of_gas=()):
@@ -183,7 +202,7 @@ def momentum(bed, verdict, forces, bound=1e-3, of_gas=()):
     error = change - sum(parts.values()) / bed.weight
     verdict.note(f"per buoyant weight ({bed.weight:.4e} N, {bed.weight / bed.section:.1f} Pa), over {T:.2f} s: " +
                  ", ".join(f"{k} {v / bed.weight:+.4f}" for k, v in parts.items()) + f", change {change:+.4f}")
-    verdict(abs(error) <= bound, f"momentum of gas and particles: the balance is open by {100 * error:+.3f} % of weight times time (wanted {100 * bound:.1f} %)")
+    verdict.between(-bound, error, bound, f"momentum of gas and particles: the balance is open by {100 * error:+.3f} % of weight times time (wanted {100 * bound:.1f} %)")
     unit = bed.section / bed.weight
     return dp, dp.mean() * unit, batch_error(dp) * unit
 
@@ -207,15 +226,15 @@ def carries_weight(bed, verdict, short):
     floor, lid and sides on the grains."""
     floor, lid, *sides = bed.mean[:, 2:8].T
     dp, share, scatter = momentum(bed, verdict, {"floor on grains": floor, "lid on grains": lid, "sides on grains": sum(sides)}, 5e-3 if short else 1e-3)
-    verdict.if_long(short, 0.9 - 3 * scatter <= share <= 1.03 + 3 * scatter, f"mean pressure drop {dp.mean():.0f} Pa, standard deviation {dp.std():.0f} Pa: it carries {100 * share:.1f} +- {100 * scatter:.1f} % of the buoyant weight "
-                    "(wanted: 90 to 103 %, give or take three standard errors; floor and rubbing walls carry the rest)")
+    verdict.between(0.9 - 3 * scatter, share, 1.03 + 3 * scatter, f"mean pressure drop {dp.mean():.0f} Pa, standard deviation {dp.std():.0f} Pa: it carries {100 * share:.1f} +- {100 * scatter:.1f} % of the buoyant weight "
+                    "(wanted: 90 to 103 %, give or take three standard errors; floor and rubbing walls carry the rest)", short)
 
 
 def fluidises_as_wen_yu(bed, verdict, short, levels, velocity):
     """Minimum fluidisation by the packed bed's pressure drop at two velocities held before. velocity: column of bed.now."""
     hold = int(np.argmax(np.diff(bed.now[:, velocity]) != 0)) * (bed.now[1, 0] - bed.now[0, 0])
     U_mf, wen_yu, drops = packed_fluidisation(bed, levels, hold, bed.weight / bed.section)
-    verdict.if_long(short, abs(U_mf / wen_yu - 1) <= 0.3, f"packed bed: {drops[0]:.0f} and {drops[1]:.0f} Pa at {levels[0]} and {levels[1]} m/s; minimum fluidisation by them {U_mf:.3f} m/s, Wen & Yu (1966) {wen_yu:.3f} m/s (wanted: 30 %)")
+    verdict.between(0.7, U_mf / wen_yu, 1.3, f"packed bed: {drops[0]:.0f} and {drops[1]:.0f} Pa at {levels[0]} and {levels[1]} m/s; minimum fluidisation by them {U_mf:.3f} m/s, Wen & Yu (1966) {wen_yu:.3f} m/s (wanted: 30 %)", short)
 
 
 def left_and_right(bed, verdict, short, mass, alarms, least):
@@ -224,7 +243,7 @@ def left_and_right(bed, verdict, short, mass, alarms, least):
     series = 2 * bed.now[bed.averaged(bed.now), 10] / mass - 1
     mean, error, independent, bound = by_chance(series, alarms)
     enough = bed.length - bed.begin >= least and independent >= 4
-    verdict.if_long(short or not enough, abs(mean) <= max(bound, 1e-12), f"mass right less left: {100 * mean:+.2f} +- {100 * error:.2f} % ({independent:.0f} independent values): {abs(mean) / bound:.2f} of what chance exceeds once in {1 / alarms:.0f} runs (wanted: 1)" + ("" if enough else "; the series is too short for it: no verdict"))
+    verdict.between(-1, mean / max(bound, 1e-12), 1, f"mass right less left: {100 * mean:+.2f} +- {100 * error:.2f} % ({independent:.0f} independent values): {abs(mean) / bound:.2f} of what chance exceeds once in {1 / alarms:.0f} runs (wanted: 1)" + ("" if enough else "; the series is too short for it: no verdict"), short or not enough)
 
 
 def usual_pictures(bed, heights, top=None, depth=None):

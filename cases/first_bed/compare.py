@@ -28,14 +28,14 @@ def grains(file, status, verdict):
     verdict(len(first) == len(last) == status["particles"] and status["particles_lost"] == 0, f"grains: {len(first)} at the beginning, {len(last)} at the end")
     edges = plot_fields.nodes(file)
     out = max(max((e[0] - last[:, k]).max(), (last[:, k] - e[-1]).max()) for k, e in enumerate(edges)) + D_P / 2
-    verdict(out <= 0.1 * D_P, f"deepest overlap of a grain with a wall: {1e3 * max(out, 0):.3f} mm (wanted: at most {0.1e3 * D_P:.2f}, soft contacts)")
+    verdict.between(-np.inf, out / D_P, 0.1, f"deepest overlap of a grain with a wall: {1e3 * max(out, 0):.3f} mm (wanted: at most {0.1e3 * D_P:.2f}, soft contacts)")
     return len(last)
 
 
 def ledger(status, verdict):
     book = status["ledger"]
-    verdict(book["solids_volume_error"] <= 1e-13, f"solid volume deposited: relative error {book['solids_volume_error']:.1e} (wanted 1e-13)")
-    verdict(book["momentum_error"] <= 1e-12, f"action and reaction: relative error {book['momentum_error']:.1e} (wanted 1e-12)")
+    verdict.at_most(1e-13, book["solids_volume_error"], f"solid volume deposited: relative error {book['solids_volume_error']:.1e} (wanted 1e-13)")
+    verdict.at_most(1e-12, book["momentum_error"], f"action and reaction: relative error {book['momentum_error']:.1e} (wanted 1e-12)")
 
 
 def pressure(folder, file, n, short, verdict):
@@ -45,7 +45,7 @@ def pressure(folder, file, n, short, verdict):
     table = leg_tables.table(os.path.join(folder, "pressure.txt"))
     time = (table[:, 0] - table[0, 0]) * DEM_STEP
     dp = table[time >= float(file["average"].attrs["from"]), 1]
-    verdict.if_long(short, 0.5 <= dp.mean() / weight <= 1.1, f"mean pressure drop {dp.mean():.1f} +- {batch_error(dp):.1f} Pa, of a weight over the area of {weight:.1f} Pa (wanted: 0.5 to 1.1 of it)")
+    verdict.between(0.5, dp.mean() / weight, 1.1, f"mean pressure drop {dp.mean():.1f} +- {batch_error(dp):.1f} Pa, of a weight over the area of {weight:.1f} Pa (wanted: 0.5 to 1.1 of it)", short)
 
 
 def main():

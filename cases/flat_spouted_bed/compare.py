@@ -37,8 +37,8 @@ def spout(bed, verdict, short):
     at = lambda f: int(np.argmin(np.abs(z - f * H0)))
     middle, side = np.abs(x - WIDTH / 2) < 1.1 * (x[1] - x[0]), (np.abs(x - WIDTH / 2) > 0.25 * WIDTH)
     k = at(0.5)
-    verdict.if_long(short, eps[k, middle].mean() > eps[k, side].mean() + 0.1 and flux[k, middle].mean() > 0 > flux[k, side].mean(),
-                    f"spout at {1e3 * z[k]:.0f} mm, half the height at rest: void fraction {eps[k, middle].mean():.3f} over the slot, {eps[k, side].mean():.3f} beside it (wanted: 0.1 less); flux of grains {flux[k, middle].mean():+.3f} and {flux[k, side].mean():+.3f} m/s (wanted: up and down)")
+    verdict.within(f"spout at {1e3 * z[k]:.0f} mm, half the height at rest: void fraction {eps[k, middle].mean():.3f} over the slot, {eps[k, side].mean():.3f} beside it (wanted: 0.1 less); flux of grains {flux[k, middle].mean():+.3f} and {flux[k, side].mean():+.3f} m/s (wanted: up and down)",
+                   ("void fraction over the slot less beside it", 0.1, eps[k, middle].mean() - eps[k, side].mean(), np.inf), ("flux over the slot", 0, flux[k, middle].mean(), np.inf), ("flux beside it", -np.inf, flux[k, side].mean(), 0), short=short)
     solids = np.cumsum((1 - eps).mean(axis=1)) / np.sum((1 - eps).mean(axis=1))
     verdict.note(f"height at rest {1e3 * H0:.0f} mm; half, 95 and 99 % of the grains stand below {', '.join(f'{1e3 * np.interp(f, solids, z):.0f}' for f in (0.5, 0.95, 0.99))} mm in the mean; highest grain {1e3 * bed.now[bed.averaged(bed.now), 3].max():.0f} mm")
     jet(bed, verdict, short, H0)
@@ -59,8 +59,8 @@ def jet(bed, verdict, short, H0):
     keairns = 6.5 * d0 * np.sqrt(bed.rho_f / (RHO_P - bed.rho_f) * froude)
     merry = 5.2 * d0 * (bed.rho_f * d0 / (RHO_P * D_P))**0.3 * (1.3 * froude**0.2 - 1)
     low, high = 0.6 * min(merry, keairns), 1.4 * max(merry, keairns)
-    verdict.if_long(short, low <= reach <= high, "the void over the slot reaches " + ("through the whole bed" if through else f"{1e3 * reach:.0f} mm") + f"; jets of that slot reach {1e3 * merry:.0f} mm by Merry (1975), {1e3 * keairns:.0f} mm by Yang & Keairns (1978), the bed's height at rest is {1e3 * H0:.0f} mm "
-                    "(wanted: between the lower less 40 % and the higher plus 40 %; through the bed counts as its height)")
+    verdict.between(low, reach, high, "the void over the slot reaches " + ("through the whole bed" if through else f"{1e3 * reach:.0f} mm") + f"; jets of that slot reach {1e3 * merry:.0f} mm by Merry (1975), {1e3 * keairns:.0f} mm by Yang & Keairns (1978), the bed's height at rest is {1e3 * H0:.0f} mm "
+                    "(wanted: between the lower less 40 % and the higher plus 40 %; through the bed counts as its height)", short)
 
 
 def rhythm(bed, verdict):

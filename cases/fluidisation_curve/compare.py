@@ -127,7 +127,7 @@ def main():
         mean, error = m["plateau"].mean(), m["plateau"].std(ddof=1) / np.sqrt(len(m["plateau"]))
         verdict.note(f"falling branch above minimum fluidisation: pressure drop {mean:.1f} +- {error:.1f} Pa, {100 * mean / m['weight']:.1f} % of the weight; the floor carries {100 * m['rests'].mean() / m['weight']:.1f} %")
     error = m["Umf"] / m["ergun"] - 1
-    verdict(abs(error) <= TOLERANCE, f"minimum fluidisation {m['Umf']:.4f} m/s, Ergun over the bed's own void fractions "
+    verdict.between(-TOLERANCE, error, TOLERANCE, f"minimum fluidisation {m['Umf']:.4f} m/s, Ergun over the bed's own void fractions "
             f"{m['ergun']:.4f} m/s: {100 * error:+.2f} % (wanted within {100 * TOLERANCE:.0f} %)")
     U = np.linspace(0, m["ergun"], 40)
     order = np.argsort(m["U"][m["falling"]])

@@ -34,7 +34,7 @@ def bubbling(bed, verdict, short):
     width = np.ptp(bed.x)
     middle, side = np.abs(x - x.mean()) < 0.2 * width, np.abs(x - x.mean()) > 0.4 * width
     up, down = flux[k][:, middle].mean(), flux[k][:, side].mean()
-    verdict.if_long(short, up > 0 > down, f"flux of grains in the upper bed: {up:+.4f} m/s in the middle, {down:+.4f} m/s at the walls (wanted: up and down)")
+    verdict.within(f"flux of grains in the upper bed: {up:+.4f} m/s in the middle, {down:+.4f} m/s at the walls (wanted: up and down)", ("up", 0, up, np.inf), ("down", -np.inf, down, 0), short=short)
 
 
 def curve(bed):

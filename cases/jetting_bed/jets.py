@@ -30,9 +30,10 @@ from verdict import G, batch_error  # noqa: E402
 
 KINDS = {"two": ("two grids", "-var grids two"), "coarse": ("single grid of the particle cells", "-var grids coarse"),
          "fine": ("single grid of the fluid's cells", "-var grids fine"),
+         "two_jets": ("two grids, grains feel the fluid's cells", "-var grids two -var method jets"),
          "coarse_velocity": ("particle cells, the jet's velocity kept", "-var grids coarse -var keep velocity"),
          "fine_exact": ("fluid's cells, exact deposition", "-var grids fine -var method exact")}
-COLOURS = {"two": "#1b6ca8", "coarse": "#d1603d", "fine": "#5f9e4b", "coarse_velocity": "#e8a87c", "fine_exact": "#a3c585"}
+COLOURS = {"two": "#1b6ca8", "coarse": "#d1603d", "fine": "#5f9e4b", "two_jets": "#7fb2e5", "coarse_velocity": "#e8a87c", "fine_exact": "#a3c585"}
 APART = 12e-3          # m, between the axes of neighbouring jets, as in.jetting_bed has it
 CELL = (2.4e-3, 3e-3)  # m, particle cells: everything is compared on these
 LAYERS = (1, 3, 5, 7)  # of particle cells, for profiles: 4.5, 10.5, 16.5 and 22.5 mm
@@ -43,7 +44,7 @@ def beds(short):
     if short:
         return [(1, 6.0, kind) for kind in KINDS]
     main = [(n, U, kind) for n in (1, 2, 3) for U in (6.0, 9.0) for kind in ("two", "coarse", "fine")]
-    return main + [(1, U, kind) for U in (6.0, 9.0) for kind in ("coarse_velocity", "fine_exact")]
+    return main + [(1, U, kind) for U in (6.0, 9.0) for kind in ("two_jets", "coarse_velocity", "fine_exact")]
 
 
 def folder_of(out, n, U, kind):

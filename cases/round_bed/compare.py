@@ -28,23 +28,23 @@ LEVEL_STEPS = 2400
 def vessel(bed, verdict):
     """The vessel's volume, and no grain's centre behind its wall."""
     error = np.sum(bed.theta * bed.volume) / (SECTION * np.ptp(bed.z)) - 1
-    verdict(abs(error) <= 0.002, f"volume of the vessel on the grid: {100 * error:+.3f} % of the cylinder's (wanted 0.2 %)")
+    verdict.between(-0.002, error, 0.002, f"volume of the vessel on the grid: {100 * error:+.3f} % of the cylinder's (wanted 0.2 %)")
     p = bed.grains("position")
     r = np.hypot(p[:, 0] - X0, p[:, 1] - Y0).max()
-    verdict(r <= RADIUS - 0.45 * D_P, f"the outermost grain's centre is {1e3 * r:.3f} mm from the axis (wanted: at most {1e3 * (RADIUS - 0.45 * D_P):.3f})")
+    verdict.between(-np.inf, r, RADIUS - 0.45 * D_P, f"the outermost grain's centre is {1e3 * r:.3f} mm from the axis (wanted: at most {1e3 * (RADIUS - 0.45 * D_P):.3f})")
 
 
 def forces(bed, verdict, short):
     floor, wall, rub = bed.mean[:, 2:5].T
     dp, share, scatter = momentum(bed, verdict, {"floor": floor, "wall on grains": -wall, "wall on gas": -rub}, 3e-3 if short else 1e-3, ("wall on gas",))
-    verdict.if_long(short, abs(share - 1) <= max(0.03, 3 * scatter), f"mean pressure drop {dp.mean():.2f} Pa carries {100 * share:.2f} +- {100 * scatter:.2f} % "
-                    "of the buoyant weight (wanted 100 +- 3 %)")
+    verdict.between(1 - max(0.03, 3 * scatter), share, 1 + max(0.03, 3 * scatter), f"mean pressure drop {dp.mean():.2f} Pa carries {100 * share:.2f} +- {100 * scatter:.2f} % "
+                    "of the buoyant weight (wanted 100 +- 3 %)", short)
 
 
 def fluidisation(bed, verdict, short):
     U_mf, wen_yu, drops = packed_fluidisation(bed, LEVELS, LEVEL_STEPS, bed.weight / bed.section)
-    verdict.if_long(short, abs(U_mf / wen_yu - 1) <= 0.3, f"minimum fluidisation {U_mf:.3f} m/s, from the packed bed at {LEVELS[0]} and {LEVELS[1]} m/s ({drops[0]:.1f}, "
-                    f"{drops[1]:.1f} Pa); Wen & Yu (1966) {wen_yu:.3f} m/s (wanted: within their scatter of 30 %)")
+    verdict.between(0.7, U_mf / wen_yu, 1.3, f"minimum fluidisation {U_mf:.3f} m/s, from the packed bed at {LEVELS[0]} and {LEVELS[1]} m/s ({drops[0]:.1f}, "
+                    f"{drops[1]:.1f} Pa); Wen & Yu (1966) {wen_yu:.3f} m/s (wanted: within their scatter of 30 %)", short)
 
 
 def symmetry(bed, verdict, short):
@@ -57,14 +57,14 @@ def symmetry(bed, verdict, short):
     half = len(X) // 2
     quarters = np.array([solids[:, :half, :half].sum(), solids[:, :half, -half:].sum(), solids[:, -half:, :half].sum(), solids[:, -half:, -half:].sum()])
     off = 4 * quarters / quarters.sum() - 1
-    verdict.if_long(short, np.abs(off).max() <= 0.06, "mean solids in the four quarters, less a fourth: " + ", ".join(f"{100 * q:+.1f}" for q in off) + " % (wanted 6 %)")
+    verdict.at_most(0.06, np.abs(off).max(), "mean solids in the four quarters, less a fourth: " + ", ".join(f"{100 * q:+.1f}" for q in off) + " % (wanted 6 %)", short)
     turned = solids[:, ::-1].transpose(0, 2, 1)
     column, other = solids.sum(axis=0), turned.sum(axis=0)
     verdict.note(f"columns of solids less the same turned by 90 degrees: {100 * np.sqrt(np.mean((column - other)**2)) / column.max():.1f} % of the largest (root mean square)")
     mass = bed.n * np.pi / 6 * D_P**3 * RHO_P
     inside = bed.now[:, 0] * DEM_STEP > bed.begin
     cx, cy = bed.now[inside, 10].mean() / mass - X0, bed.now[inside, 11].mean() / mass - Y0
-    verdict.if_long(short, np.hypot(cx, cy) <= 0.02 * 2 * RADIUS, f"the bed's centre is {1e3 * cx:+.2f}, {1e3 * cy:+.2f} mm off the axis (wanted 2 % of the diameter)")
+    verdict.at_most(0.02 * 2 * RADIUS, np.hypot(cx, cy), f"the bed's centre is {1e3 * cx:+.2f}, {1e3 * cy:+.2f} mm off the axis (wanted 2 % of the diameter)", short)
 
 
 def section(bed, height):

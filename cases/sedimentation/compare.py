@@ -90,11 +90,11 @@ def one_size(folder, verdict, short):
                  (f"; line through ln v over ln eps: n {np.polyfit(np.log(1 - rows[:, 0]), np.log(rows[:, 1]), 1)[0]:.2f}" if len(rows) > 1 else ""))
     if c.law:
         off = np.abs(rows[:, 1] / rows[:, 3] - 1).max()
-        verdict.if_long(short, off <= OF_LAW, f"fronts against a uniform suspension by the run's law: {100 * off:.1f} % off at most (wanted {100 * OF_LAW:.0f} %)")
+        verdict.at_most(OF_LAW, off, f"fronts against a uniform suspension by the run's law: {100 * off:.1f} % off at most (wanted {100 * OF_LAW:.0f} %)", short)
     off = np.abs(rows[:, 1] / rows[:, 4] - 1).max()
-    verdict.if_long(short, off <= OF_RICHARDSON_ZAKI, f"fronts against Richardson & Zaki: {100 * off:.1f} % off at most (wanted {100 * OF_RICHARDSON_ZAKI:.0f} %)")
+    verdict.at_most(OF_RICHARDSON_ZAKI, off, f"fronts against Richardson & Zaki: {100 * off:.1f} % off at most (wanted {100 * OF_RICHARDSON_ZAKI:.0f} %)", short)
     if len(rows) > 1:
-        verdict.if_long(short, bool((np.diff(rows[:, 1]) < 0).all()), "the more spheres, the slower the front")
+        verdict.between(0, -np.diff(rows[:, 1]).max(), np.inf, "the more spheres, the slower the front", short)
     return rows, columns, U_t, n
 
 
@@ -136,9 +136,9 @@ def two_sizes(c, verdict, short):
     small = -np.polyfit(c.t[above], small_at[above].mean(axis=1), 1)[0] if above.sum() > 3 else np.nan
     verdict.note(f"two sizes, {1e3 * d[0]:.2f} and {1e3 * d[1]:.2f} mm, {100 * shares[0]:.1f} % and {100 * shares[1]:.1f} %: front of the large ones {1e3 * large:.2f} +- {1e3 * error:.2f} mm/s, of the small ones above it {1e3 * small:.2f} mm/s")
     for name, (a, b, v, share) in theories:
-        off = max(abs(large / a - 1), abs(small / v - 1))
         bound = OF_LAW if name == "the law" else OF_RICHARDSON_ZAKI
-        verdict.if_long(short, off <= bound, f"by {name} {1e3 * a:.2f} ({100 * (large / a - 1):+.1f} %) and {1e3 * v:.2f} mm/s ({100 * (small / v - 1):+.1f} %; {100 * share:.1f} % of them there): wanted {100 * bound:.0f} %")
+        verdict.within(f"by {name} {1e3 * a:.2f} ({100 * (large / a - 1):+.1f} %) and {1e3 * v:.2f} mm/s ({100 * (small / v - 1):+.1f} %; {100 * share:.1f} % of them there): wanted {100 * bound:.0f} %",
+                       ("large", -bound, large / a - 1, bound), ("small", -bound, small / v - 1, bound), short=short)
     z, r = c.z[-1], c.r[-1]
     order = np.argsort(z)
     volume = np.cumsum(r[order]**3) / np.sum(r**3)
@@ -150,7 +150,8 @@ def two_sizes(c, verdict, short):
     w = (shares[0] * large_v + shares[1] * small_v) / (1 - eps - sum(shares))
     wanted = shares[0] * (large_v + w) / (shares[0] * (large_v + w) + shares[1] * (small_v + w))
     bottom, top = part(0, 0.5), part(0.9, 1)
-    verdict.if_long(short, abs(bottom - wanted) <= 0.05 and top < 0.05, f"sediment: {100 * bottom:.1f} % of the volume in its lower half is of large ones, by the fluxes of both onto it {100 * wanted:.1f} % (wanted: 5 % of the whole), {100 * top:.1f} % in its highest tenth (wanted: less than 5 %)")
+    verdict.within(f"sediment: {100 * bottom:.1f} % of the volume in its lower half is of large ones, by the fluxes of both onto it {100 * wanted:.1f} % (wanted: 5 % of the whole), {100 * top:.1f} % in its highest tenth (wanted: less than 5 %)",
+                   ("lower half less wanted", -0.05, bottom - wanted, 0.05), ("highest tenth", 0, top, 0.05), short=short)
     verdict.note(f"void fraction of the sediment's middle {eps:.3f}")
     return d, kinds, heights, small_at.mean(axis=1), theories
 

@@ -42,14 +42,14 @@ def vessel(bed, verdict, short):
     """The vessel's volume, and no grain's centre behind its wall or in the nozzle."""
     exact = np.pi * (NOZZLE**2 * FLOOR + (SHOULDER - FLOOR) / 3 * (BASE**2 + BASE * TOP + TOP**2) + TOP**2 * (HEIGHT - SHOULDER))
     error, bound = np.sum(bed.theta * bed.volume) / exact - 1, 0.01 if short else 0.003
-    verdict(abs(error) <= bound, f"volume of the vessel on the grid: {100 * error:+.3f} % of the exact one (wanted {100 * bound:.1f} %)")
+    verdict.between(-bound, error, bound, f"volume of the vessel on the grid: {100 * error:+.3f} % of the exact one (wanted {100 * bound:.1f} %)")
     verdict.note(f"section of the nozzle on the grid: {100 * (bed.section / bed.nozzle - 1):+.2f} % of the circle's; velocities here are those of the circle")
     p = bed.grains("position")
     r = np.hypot(p[:, 0] - X0, p[:, 1] - Y0)
     cone = (BASE + (p[:, 2] - FLOOR) * SLOPE - r) * np.cos(np.radians(HALF_ANGLE))
     nearest = np.minimum(np.minimum(cone, TOP - r), p[:, 2] - FLOOR).min()
     least = (0.35 if short else 0.4) * D_P
-    verdict(nearest >= least, f"the grain nearest to wall or screen keeps its centre {1e3 * nearest:.3f} mm off (wanted: at least {1e3 * least:.2f}, soft contacts)")
+    verdict.between(least, nearest, np.inf, f"the grain nearest to wall or screen keeps its centre {1e3 * nearest:.3f} mm off (wanted: at least {1e3 * least:.2f}, soft contacts)")
 
 
 def forces(bed, verdict, short):
@@ -75,8 +75,9 @@ def spout(bed, verdict, short):
     mean = lambda values, where: np.average(values[where], weights=theta[k][where])
     eps, rise = average["particle_grid/eps"][k], average["particle_grid/solids_flux"][k, ..., 2]
     inner, outer, up, down = mean(eps, axis), mean(eps, annulus), mean(rise, axis), mean(rise, annulus)
-    verdict.if_long(short, inner > outer + 0.15 and up > 0 > down, f"spout, {1e3 * (z[k] - FLOOR):.0f} mm above the base: void fraction {inner:.3f} within the nozzle's radius, "
-                    f"{outer:.3f} in the annulus (wanted: 0.15 less); flux of grains {up:+.3f} m/s there, {down:+.3f} m/s in the annulus (wanted: up and down)")
+    verdict.within(f"spout, {1e3 * (z[k] - FLOOR):.0f} mm above the base: void fraction {inner:.3f} within the nozzle's radius, "
+                    f"{outer:.3f} in the annulus (wanted: 0.15 less); flux of grains {up:+.3f} m/s there, {down:+.3f} m/s in the annulus (wanted: up and down)",
+                   ("void fraction, spout less annulus", 0.15, inner - outer, np.inf), ("up", 0, up, np.inf), ("down", -np.inf, down, 0), short=short)
 
 
 def minimum_spouting(bed, verdict, short):
@@ -94,14 +95,14 @@ def minimum_spouting(bed, verdict, short):
     reference = bed.up[bed.averaged(bed.now)].mean()
     alive = bed.up[falling] > 0.1 * reference
     if reference <= 0 or not alive.any():
-        verdict.if_long(short, False, f"no grains rise fast at the bed's surface while the gas is turned down from {real * bed.gas.max():.1f} m/s: there is no spout; Olazar et al. (1992): "
-                        f"{olazar:.1f} m/s")
+        verdict(False, f"no grains rise fast at the bed's surface while the gas is turned down from {real * bed.gas.max():.1f} m/s: there is no spout; Olazar et al. (1992): "
+                        f"{olazar:.1f} m/s", short)
         return
     last = falling[np.nonzero(alive)[0][-1]]
     U = real * bed.gas[last]
     ended = last < falling[-1]
-    verdict.if_long(short, ended and abs(U / olazar - 1) <= 0.3, f"minimum spouting at {U:.1f} m/s in the nozzle" + ("" if ended else ", or below, for it spouts to the end of the ramp") +
-                    f"; Olazar et al. (1992) {olazar:.1f} m/s (wanted: 30 %)")
+    verdict(ended and abs(U / olazar - 1) <= 0.3, f"minimum spouting at {U:.1f} m/s in the nozzle" + ("" if ended else ", or below, for it spouts to the end of the ramp") +
+                    f"; Olazar et al. (1992) {olazar:.1f} m/s (wanted: 30 %)", short, [("of Olazar", 0.7, U / olazar, 1.3)])
 
 
 def symmetry(bed, verdict, short):
@@ -114,12 +115,12 @@ def symmetry(bed, verdict, short):
                          ("across", q[:, 0] + q[:, 3] - q[:, 1] - q[:, 2])):
         mean, error, independent, bound = by_chance(series, ALARMS / 3)
         enough = enough and independent >= 4
-        worst = max(worst, abs(mean) / bound if bound > 0 else np.inf)
+        worst = np.maximum(worst, abs(mean) / bound if bound > 0 else np.inf)
         lines.append(f"{name} {100 * mean:+.2f} +- {100 * error:.2f} % ({independent:.0f} independent values)")
         if abs(mean) > 0.06:
             worst = np.inf
-    verdict.if_long(short or not enough, worst <= 1, ", ".join(lines) + f": {worst:.2f} of what chance exceeds once in {1 / ALARMS:.0f} runs (wanted: 1, and no more than 6 % of the mass)" +
-                    ("" if enough else "; the series is too short for it: no verdict"))
+    verdict.at_most(1, worst, ", ".join(lines) + f": {worst:.2f} of what chance exceeds once in {1 / ALARMS:.0f} runs (wanted: 1, and no more than 6 % of the mass)" +
+                    ("" if enough else "; the series is too short for it: no verdict"), short or not enough)
 
 
 def curve(bed):

@@ -33,10 +33,10 @@ def tubes(bed, verdict, short):
     """The tubes' volume on the grid, and no grain in a tube."""
     closed, exact = np.sum((1 - bed.theta) * bed.volume), len(TUBES) * np.pi * R**2 * DEPTH
     bound = 0.06 if short else 0.015
-    verdict(abs(closed / exact - 1) <= bound, f"volume of the tubes on the grid: {100 * (closed / exact - 1):+.2f} % of the exact one (wanted {100 * bound:.1f} %)")
+    verdict.between(1 - bound, closed / exact, 1 + bound, f"volume of the tubes on the grid: {100 * (closed / exact - 1):+.2f} % of the exact one (wanted {100 * bound:.1f} %)")
     p = bed.grains("position")
     nearest = min(np.hypot(p[:, 0] - x, p[:, 2] - z).min() for x, z in TUBES) - R
-    verdict(nearest >= 0.4 * D_P, f"the grain nearest to a tube keeps its centre {1e3 * nearest:.3f} mm off its surface (wanted: at least {0.4e3 * D_P:.2f}, soft contacts)")
+    verdict.between(0.4 * D_P, nearest, np.inf, f"the grain nearest to a tube keeps its centre {1e3 * nearest:.3f} mm off its surface (wanted: at least {0.4e3 * D_P:.2f}, soft contacts)")
 
 
 def empty_bank(bed, verdict, folder):
@@ -49,8 +49,8 @@ def empty_bank(bed, verdict, folder):
     Dv = 4 * (P * P * np.sqrt(3) / 2 - np.pi * D**2 / 4) / (np.pi * D)
     reynolds = bed.rho_f * V * Dv / bed.mu
     wanted = 280 * EMPTY["rows"] / reynolds * (D / P)**1.6 * bed.rho_f * V**2 / 2
-    verdict(abs(dp / wanted - 1) <= 0.25 and rate < 0.01, f"empty bank at Re = {reynolds:.1f}: {1e3 * dp:.3f} mPa, {100 * rate:.2g} % more or less than at four fifths of the time; "
-            f"Bergelin et al. (1950) {1e3 * wanted:.3f} mPa: {100 * (dp / wanted - 1):+.1f} % (wanted 25 %, their scatter)")
+    verdict.within(f"empty bank at Re = {reynolds:.1f}: {1e3 * dp:.3f} mPa, {100 * rate:.2g} % more or less than at four fifths of the time; "
+            f"Bergelin et al. (1950) {1e3 * wanted:.3f} mPa: {100 * (dp / wanted - 1):+.1f} % (wanted 25 %, their scatter)", ("of Bergelin", 0.75, dp / wanted, 1.25), ("still changing", 0, rate, 0.01))
 
 
 def forces(bed, verdict, short):
@@ -62,8 +62,8 @@ def forces(bed, verdict, short):
     bank = (plot_fields.centres(z) > TUBES[0][1] - R) & (plot_fields.centres(z) < TUBES[-1][1] + R)
     packing = np.average(1 - average["eps"][:][bank], weights=theta[bank])
     lift = packing * (RHO_P - bed.rho_f) * G * len(TUBES) * np.pi * R**2 * DEPTH / bed.weight
-    verdict.if_long(short, 0.97 - 3 * scatter <= share <= 1.03 + lift + 3 * scatter, f"mean pressure drop {dp.mean():.1f} Pa carries {100 * share:.2f} +- {100 * scatter:.2f} % of the buoyant "
-                    f"weight (wanted: 97 to {100 * (1.03 + lift):.0f} %, give or take three standard errors; {100 * lift:.1f} % more than the weight if the tubes were lifted by the bed as by a liquid)")
+    verdict.between(0.97 - 3 * scatter, share, 1.03 + lift + 3 * scatter, f"mean pressure drop {dp.mean():.1f} Pa carries {100 * share:.2f} +- {100 * scatter:.2f} % of the buoyant "
+                    f"weight (wanted: 97 to {100 * (1.03 + lift):.0f} %, give or take three standard errors; {100 * lift:.1f} % more than the weight if the tubes were lifted by the bed as by a liquid)", short)
     inside = bed.averaged(bed.mean)
     for name, which in (("lowest", slice(0, 3)), ("middle", slice(3, 5)), ("highest", slice(5, 8))):
         each = on_gas[inside, which]
@@ -82,8 +82,8 @@ def fluidisation(bed, verdict, short, lift):
     top = bed.now[:int(2 * hold / (steps[1] - steps[0])), 3].mean()
     share = min(3 * ROW / top, 1)
     wanted = wen_yu / (1 - share + share * (1 + phi) / (1 - phi))
-    verdict.if_long(short, abs(U_mf / wanted - 1) <= 0.3, f"minimum fluidisation {U_mf:.3f} m/s, from the packed bed at {LEVELS[0]} and {LEVELS[1]} m/s ({drops[0]:.1f}, {drops[1]:.1f} "
-                    f"Pa); Wen & Yu (1966) {wen_yu:.3f} m/s without tubes, {wanted:.3f} m/s with {100 * share:.0f} % of the bed between them (wanted: within their scatter of 30 %)")
+    verdict.between(0.7, U_mf / wanted, 1.3, f"minimum fluidisation {U_mf:.3f} m/s, from the packed bed at {LEVELS[0]} and {LEVELS[1]} m/s ({drops[0]:.1f}, {drops[1]:.1f} "
+                    f"Pa); Wen & Yu (1966) {wen_yu:.3f} m/s without tubes, {wanted:.3f} m/s with {100 * share:.0f} % of the bed between them (wanted: within their scatter of 30 %)", short)
 
 
 def symmetry(bed, verdict, short):
@@ -99,10 +99,10 @@ def symmetry(bed, verdict, short):
     for name, values in series.items():
         mean, error, independent, bound = by_chance(values, ALARMS / len(series))
         enough = enough and independent >= 4
-        worst = max(worst, abs(mean) / bound if bound > 0 else np.inf)
+        worst = np.maximum(worst, abs(mean) / bound if bound > 0 else np.inf)
         lines.append(f"{name} {100 * mean:+.2f} +- {100 * error:.2f} % ({independent:.0f} independent values)")
-    verdict.if_long(short or not enough, worst <= 1, "right less left: " + ", ".join(lines) + f": {worst:.2f} of what chance exceeds once in {1 / ALARMS:.0f} runs (wanted: 1)" +
-                    ("" if enough else "; the series is too short for it: no verdict"))
+    verdict.at_most(1, worst, "right less left: " + ", ".join(lines) + f": {worst:.2f} of what chance exceeds once in {1 / ALARMS:.0f} runs (wanted: 1)" +
+                    ("" if enough else "; the series is too short for it: no verdict"), short or not enough)
     eps = bed.file["average/particle_grid/eps"][:]
     theta = plot_fields.open_share(bed.file, "particle_grid")
     off = (eps - eps[:, :, ::-1])[(theta > 0) & (eps < 0.95)]

@@ -73,7 +73,8 @@ def glass(beds, verdict, short):
     late = slow.t > 0.8 * slow.length
     end = slow.index[late].mean()
     half = slow.index[(slow.t > 0.4 * slow.length) & (slow.t < 0.5 * slow.length)].mean()
-    verdict.if_long(short, end > 0.3 and end > half - 0.05, f"{U[0]:.2f} m/s segregates: index {slow.index[1]:.3f} at the beginning, {half:.3f} in the middle, {end:.3f} in the last fifth of {slow.length:.1f} s (wanted: 0.3, and no way back)")
+    verdict.within(f"{U[0]:.2f} m/s segregates: index {slow.index[1]:.3f} at the beginning, {half:.3f} in the middle, {end:.3f} in the last fifth of {slow.length:.1f} s (wanted: 0.3, and no way back)",
+                   ("end", 0.3, end, np.inf), ("end less middle", -0.05, end - half, np.inf), short=short)
     r, z = slow.grains("radius"), slow.grains("position")[:, 2]
     order = np.argsort(z)
     volume = np.cumsum(r[order]**3) / np.sum(r**3)
@@ -81,8 +82,8 @@ def glass(beds, verdict, short):
     verdict.note(f"in the lowest fifth of the solids {100 * share(0, 0.2):.0f} % of the volume is of large ones, in the highest {100 * share(0.8, 1):.0f} %; of all {100 * (1 - slow.part):.0f} %")
     mixing = [(name, *lacey(b)) for name, b in (("slow", slow), ("fast", fast))]
     means = [values[times > (0.8 if name == "slow" else 0.5) * times[-1]].mean() for name, times, values in mixing]
-    verdict.if_long(short, means[1] >= 0.85, f"{U[1]:.2f} m/s keeps it mixed: Lacey's index {mixing[1][2][0]:.3f} at the beginning, {means[1]:.3f} in the second half of {fast.length:.1f} s (wanted: 0.85)")
-    verdict.if_long(short, means[0] <= means[1] - 0.2, f"and {U[0]:.2f} m/s doesn't: {mixing[0][2][0]:.3f} and {means[0]:.3f} in the last fifth (wanted: 0.2 less)")
+    verdict.between(0.85, means[1], np.inf, f"{U[1]:.2f} m/s keeps it mixed: Lacey's index {mixing[1][2][0]:.3f} at the beginning, {means[1]:.3f} in the second half of {fast.length:.1f} s (wanted: 0.85)", short)
+    verdict.between(0.2, means[1] - means[0], np.inf, f"and {U[0]:.2f} m/s doesn't: {mixing[0][2][0]:.3f} and {means[0]:.3f} in the last fifth (wanted: 0.2 less)", short)
     verdict.note(f"heights' index of the fast bed in its second half {fast.index[fast.t > 0.5 * fast.length].mean():.3f}: it throws small ones higher")
     return mixing
 
@@ -96,8 +97,8 @@ def light(beds, verdict, short):
         late = b.t > 0.7 * b.length
         ratio, error, _ = correlated_mean(b.zL[late] / b.zS[late])
         up = b.t[np.nonzero(b.zL > b.zS)[0]]
-        verdict.if_long(short, ratio > 1.3, f"formulation {scene[-1]}: {b.large.sum()} spheres of {rho:.0f} kg/m3, from the floor of a bed of {solid * RHO_SMALL:.0f} kg/m3, pass its middle after " +
-                        (f"{up[0]:.2f} s" if len(up) else "never") + f" and are then at {ratio:.2f} +- {error:.2f} of its mean height (wanted: more than 1.3; 2 is the surface)")
+        verdict.between(1.3, ratio, np.inf, f"formulation {scene[-1]}: {b.large.sum()} spheres of {rho:.0f} kg/m3, from the floor of a bed of {solid * RHO_SMALL:.0f} kg/m3, pass its middle after " +
+                        (f"{up[0]:.2f} s" if len(up) else "never") + f" and are then at {ratio:.2f} +- {error:.2f} of its mean height (wanted: more than 1.3; 2 is the surface)", short)
 
 
 def draw(beds, mixing):
