@@ -10,7 +10,6 @@ profiles.csv (void fraction and solids' velocity at four heights), jets.png (wha
 """
 import argparse
 import csv
-import glob
 import itertools
 import os
 import platform
