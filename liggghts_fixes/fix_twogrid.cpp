@@ -28,6 +28,7 @@
 #include "liggghts_fixes/liggghts/unsupported.h"
 #include "liggghts_fixes/liggghts/watchers.h"
 #include "liggghts_fixes/report/body_lines.h"
+#include "liggghts_fixes/report/grid_scene.h"
 #include "liggghts_fixes/report/memory_need.h"
 #include "liggghts_fixes/report/open_areas.h"
 #include "liggghts_fixes/report/scene_report.h"
@@ -52,9 +53,8 @@ FixTwogrid::FixTwogrid(LAMMPS* lammps, int narg, char** arg)
   guarded([&] {
     script_ = parse_fix(id, std::vector<std::string>(arg + 3, arg + narg));
     refuse_unsupported(*lmp, id, kStyle);
-    check_memory(world, script_.settings, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells(),
-                 script_.bodies.size());
-    Script early = script_;  // what the box alone already rules out
+    if (!script_.grids_auto()) memory();
+    Script early = with_some_cells(script_);  // what the box alone already rules out
     complete(early, box_facts(*lmp));
   });
   vector_flag = 1;
@@ -173,10 +173,16 @@ void FixTwogrid::init() {
   });
 }
 
+/// Throws where it is not there.
+std::string FixTwogrid::memory() const {
+  return check_memory(world, script_.settings, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]},
+                      most_cells(), script_.bodies.size());
+}
+
 void FixTwogrid::build() {
   Settings& s = script_.settings;
-  watch_.say(check_memory(world, s, Int3{comm->procgrid[0], comm->procgrid[1], comm->procgrid[2]}, most_cells(),
-                          script_.bodies.size()));
+  choose_cells();
+  watch_.say(memory());
   complete(script_, box_facts(*lmp));
   names_.resolve();
   const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));

@@ -51,6 +51,7 @@ namespace twogrid {
 
 class InsertionState;
 struct SceneFacts;
+struct WidthAcross;
 
 /// Of an output file, for a plan.
 struct PlannedOutput {
@@ -128,6 +129,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   void refuse_without_set_up() const;
   void look_at_scene();
   void look_at_bodies(SceneFacts& facts) const;
+  std::string memory() const;
+  std::vector<WidthAcross> look_at_bodies(const Settings& settings, SceneFacts& facts) const;
+  void choose_cells();
   void build();
   void open_output(const SceneFacts& facts);
   void open_planned_output(const SceneFacts& facts);

@@ -44,7 +44,7 @@ Moment FixTwogrid::now() const {
 }
 
 Beginning FixTwogrid::beginning() const {
-  return {"", script_.settings.every, chosen_skin_, rank_parts(*lmp)};
+  return {"", script_.settings.every, {0, 0, 0}, {0, 0, 0}, chosen_skin_, rank_parts(*lmp)};
 }
 
 void FixTwogrid::write_checkpoint(const std::string& path) {

@@ -148,6 +148,7 @@ system_test(overfull FOLDER stability RANKS 1)
 system_test(intervals FOLDER stability RANKS 1)
 system_test(sweep RANKS 1)
 system_test(keywords RANKS 2)
+system_test(auto_grids RANKS 1 2 4)
 # A few runs of every study against its table.
 add_test(NAME studies_short COMMAND ${CMAKE_SOURCE_DIR}/cases/studies/run.sh --short -j 1)
 set_tests_properties(studies_short PROPERTIES TIMEOUT 400 LABELS system ENVIRONMENT "TWOGRID=$<TARGET_FILE:twogrid>")

@@ -59,6 +59,13 @@ std::string scene(const Settings& settings, const FineGrid& grid) {
   return s.str();
 }
 
+/// The numbers of cells that scene() has put; 0 where they are not there.
+void cells_of(Beginning& b) {
+  Int3 &n = b.fine, &r = b.ratio;
+  if (std::sscanf(b.scene.c_str(), "fine %d %d %d, ratio %d %d %d", &n[0], &n[1], &n[2], &r[0], &r[1], &r[2]) != 6)
+    n = r = {0, 0, 0};
+}
+
 /// What bodies leave open, and where, in whole numbers that don't hang on the ranks: sums of the cells' shares, of these by
 /// their places, of the faces' shares. Empty without bodies. Collective.
 std::vector<double> open_digest(const CheckpointParts& c) {
@@ -291,6 +298,7 @@ Beginning read_beginning(MPI_Comm comm, const std::string& path, const Moment& n
                     "together, with no run between them");
   Beginning beginning;
   beginning.scene = file.text_attribute("/record", "scene");
+  cells_of(beginning);
   beginning.every = int(number("every", 1, 2e9, 0));
   beginning.skin = number("skin", 0, kMost, 0);
   beginning.ranks = read_ranks(comm, file);

@@ -244,7 +244,6 @@ Blow ScriptBodies::blow_of(const BodyNames& names) const {
   return blow;
 }
 
-/// Of the particles that the fluid sees: all or every so many by their number, on all ranks. Collective.
 std::vector<Vec3> ScriptBodies::some_particles() const {
   constexpr long long kSome = 2000;
   const Atom& atom = *lammps_.atom;
@@ -257,6 +256,13 @@ std::vector<Vec3> ScriptBodies::some_particles() const {
     if ((atom.mask[i] & groupbit_) && (!atom.tag || atom.tag[i] % step == 0))
       own.push_back({atom.x[i][0], atom.x[i][1], atom.x[i][2]});
   return gathered(own, lammps_.world);
+}
+
+std::vector<Body> ScriptBodies::look(const FineGrid& domain) const {
+  std::vector<Body> bodies;
+  std::uint64_t print = 0;
+  for (const BodyNames& names : script_.bodies) bodies.push_back(make(names, domain, &print));
+  return bodies;
 }
 
 void ScriptBodies::resolve(FluidSettings& fluid, const FineGrid& grid) {

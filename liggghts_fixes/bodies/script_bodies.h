@@ -27,6 +27,10 @@ class ScriptBodies {
   /// what there is not, and what can't be a body. Later calls: the fluid's grid is cut for good, so that they must be what
   /// they were; LIGGGHTS may have made them anew. Collective.
   void resolve(FluidSettings& fluid, const FineGrid& grid);
+  /// The script's bodies, before the fluid has a grid; `domain`: of any cells. Throws likewise. Collective.
+  std::vector<Body> look(const FineGrid& domain) const;
+  /// Of the particles that the fluid sees: all or every so many by their number, on all ranks. Collective.
+  std::vector<Vec3> some_particles() const;
   /// Which of LIGGGHTS' walls the fluid knows: the bodies themselves, and walls that lie on one. Collective.
   void find_known(std::vector<WallFacts>& walls, const FluidSettings& fluid, const FineGrid& grid) const;
   /// Of each body, the area of its mesh in the domain that blows, as drawn (m2); 0: none, or not a mesh. Collective.
@@ -35,7 +39,6 @@ class ScriptBodies {
   std::vector<std::string> doubts();
 
  private:
-  std::vector<Vec3> some_particles() const;
   Body make(const BodyNames& names, const FineGrid& grid, std::uint64_t* print) const;
   Blow blow_of(const BodyNames& names) const;
 

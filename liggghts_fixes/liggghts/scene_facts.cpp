@@ -4,6 +4,7 @@
 #include <comm.h>
 #include <domain.h>
 #include <fix_gravity.h>
+#include <fix_insert.h>
 #include <fix_mesh_surface.h>
 #include <fix_particledistribution_discrete.h>
 #include <fix_property_global.h>
@@ -29,57 +30,90 @@ namespace {
 
 using namespace LAMMPS_NS;
 
+struct Mix : FixParticledistributionDiscrete {
+  static const double* weights(FixParticledistributionDiscrete& mix) { return mix.*&Mix::distweight; }
+};
+
+/// What insertion's templates say of the sizes to come: extremes, and sums of volumes and their squares.
+struct TemplateSizes {
+  double d_min = 0, d_max = 0, d_rough = 0;  // m; 0: unknown
+  double volume = 0, mass = 0;               // expected, of one particle of each distribution, summed
+  int distributions = 0;
+};
+
+TemplateSizes read_templates(LAMMPS& lammps) {
+  TemplateSizes t;
+  double lo = 1e300, hi = 0, cubes = 0, sixths = 0;
+  const auto count = [&](FixTemplateSphere& ball, double weight) {
+    const double V = ball.volexpect();
+    cubes += weight * V, sixths += weight * V * V;
+  };
+  for (int f = 0; f < lammps.modify->nfix; ++f)
+    if (auto* mix = dynamic_cast<FixParticledistributionDiscrete*>(lammps.modify->fix[f])) {
+      t.volume += mix->vol_expect(), t.mass += mix->mass_expect();
+      ++t.distributions;
+      for (int i = 0; i < mix->n_particletemplates(); ++i) count(*mix->get_template(i), Mix::weights(*mix)[i]);
+    }
+  if (t.distributions == 0)
+    for (int f = 0; f < lammps.modify->nfix; ++f)
+      if (auto* ball = dynamic_cast<FixTemplateSphere*>(lammps.modify->fix[f])) {
+        t.volume += ball->volexpect(), t.mass += ball->massexpect();
+        ++t.distributions;
+        count(*ball, 1);
+      }
+  for (int f = 0; f < lammps.modify->nfix; ++f)
+    for (int type = 1; type <= lammps.atom->ntypes; ++type) {
+      const double a = lammps.modify->fix[f]->min_rad(type), b = lammps.modify->fix[f]->max_rad(type);
+      if (a > 0) lo = std::min(lo, a);
+      if (b > 0) hi = std::max(hi, b);
+    }
+  if (hi > 0) t.d_min = 2 * std::min(lo, hi), t.d_max = 2 * hi;
+  if (cubes > 0) t.d_rough = std::min(std::cbrt(6 / kPi * sixths / cubes), t.d_max);
+  return t;
+}
+
+bool inserts(LAMMPS& lammps) {
+  for (int f = 0; f < lammps.modify->nfix; ++f)
+    if (dynamic_cast<FixInsert*>(lammps.modify->fix[f])) return true;
+  return false;
+}
+
 void read_particles(LAMMPS& lammps, int groupbit, SceneFacts& facts) {
   const Atom& atom = *lammps.atom;
-  double sum[4] = {0, 0, 0, 0};          // number, diameters, mass, volume
+  double sum[5] = {0, 0, 0, 0, 0};       // number, diameters, mass, volume, its square
   double extreme[2] = {-1e300, -1e300};  // -smallest, largest diameter
   for (int i = 0; i < atom.nlocal; ++i) {
     if (!(atom.mask[i] & groupbit)) continue;
-    const double d = 2 * atom.radius[i];
-    sum[0] += 1, sum[1] += d, sum[2] += atom.rmass[i], sum[3] += kPi / 6 * d * d * d;
+    const double d = 2 * atom.radius[i], V = kPi / 6 * d * d * d;
+    sum[0] += 1, sum[1] += d, sum[2] += atom.rmass[i], sum[3] += V, sum[4] += V * V;
     extreme[0] = std::max(extreme[0], -d), extreme[1] = std::max(extreme[1], d);
   }
-  MPI_Allreduce(MPI_IN_PLACE, sum, 4, MPI_DOUBLE, MPI_SUM, lammps.world);
+  MPI_Allreduce(MPI_IN_PLACE, sum, 5, MPI_DOUBLE, MPI_SUM, lammps.world);
   MPI_Allreduce(MPI_IN_PLACE, extreme, 2, MPI_DOUBLE, MPI_MAX, lammps.world);
   facts.particles = std::llround(sum[0]);
   long long all = atom.nlocal;
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_LONG_LONG, MPI_SUM, lammps.world);
   facts.others = all - facts.particles;
+  const TemplateSizes t = read_templates(lammps);
   if (facts.particles > 0) {
     facts.d_mean = sum[1] / sum[0];
     facts.d_min = -extreme[0];
     facts.d_max = extreme[1];
     facts.density = sum[2] / sum[3];
+    facts.d_rough = std::cbrt(6 / kPi * sum[4] / sum[3]), facts.d_most = facts.d_max;
+    if (inserts(lammps))
+      facts.d_rough = std::max(facts.d_rough, t.d_rough), facts.d_most = std::max(facts.d_most, t.d_max);
     return;
   }
   // None yet: sizes and densities of insertion's templates are known, as expected values of what will be inserted.
-  double lo = 1e300, hi = 0, volume = 0, mass = 0;
-  int distributions = 0;
-  for (int f = 0; f < lammps.modify->nfix; ++f)
-    if (auto* mix = dynamic_cast<FixParticledistributionDiscrete*>(lammps.modify->fix[f])) {
-      volume += mix->vol_expect(), mass += mix->mass_expect();
-      ++distributions;
-    }
-  if (distributions == 0)
-    for (int f = 0; f < lammps.modify->nfix; ++f)
-      if (auto* ball = dynamic_cast<FixTemplateSphere*>(lammps.modify->fix[f])) {
-        volume += ball->volexpect(), mass += ball->massexpect();
-        ++distributions;
-      }
-  for (int f = 0; f < lammps.modify->nfix; ++f)
-    for (int type = 1; type <= atom.ntypes; ++type) {
-      const double a = lammps.modify->fix[f]->min_rad(type), b = lammps.modify->fix[f]->max_rad(type);
-      if (a > 0) lo = std::min(lo, a);
-      if (b > 0) hi = std::max(hi, b);
-    }
-  if (hi > 0) {
-    facts.d_min = 2 * std::min(lo, hi);
-    facts.d_max = 2 * hi;
-    facts.d_mean = 0.5 * (facts.d_min + facts.d_max);
-    if (volume > 0 && mass > 0) {
-      facts.density = mass / volume;
-      facts.d_mean = std::clamp(std::cbrt(6 / kPi * volume / distributions), facts.d_min, facts.d_max);
-    }
+  if (!(t.d_max > 0)) return;
+  facts.sizes_of_templates = true;
+  facts.d_min = t.d_min, facts.d_max = facts.d_most = t.d_max;
+  facts.d_rough = t.d_rough > 0 ? t.d_rough : t.d_max;
+  facts.d_mean = 0.5 * (facts.d_min + facts.d_max);
+  if (t.volume > 0 && t.mass > 0) {
+    facts.density = t.mass / t.volume;
+    facts.d_mean = std::clamp(std::cbrt(6 / kPi * t.volume / t.distributions), facts.d_min, facts.d_max);
   }
 }
 

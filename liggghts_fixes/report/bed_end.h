@@ -9,6 +9,8 @@
 
 namespace twogrid {
 
+/// What may be missing without a warning.
+constexpr double kMostMissing = 0.05;
 /// A share of the pressure drop; 0: no bed to speak of.
 inline double short_at_end(const SettledBed& bed, Deposit deposit) {
   return bed.along < 0 ? 0 : (deposit == Deposit::kTrilinear ? 0.40 : 0.27) / bed.cells;

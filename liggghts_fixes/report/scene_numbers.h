@@ -32,18 +32,22 @@ constexpr double kLeastSkin = 0.25, kMostSkin = 0.7;
 struct SceneFacts {
   long long particles = 0;                  ///< in the fix's group
   double d_min = 0, d_mean = 0, d_max = 0;  ///< m; of the templates where there are no particles yet; 0: unknown
-  double density = 0;                       ///< of the particles, kg/m3; 0: unknown
-  long long others = 0;                     ///< particles outside the fix's group
-  Vec3 gravity{0, 0, 0};                    ///< mean over the particles, m/s2
-  bool weights_differ = false;              ///< fixes gravity for parts of the particles
-  bool gravity_varies = false;              ///< there is one that follows a variable: not in the mean
-  double dem_dt = 0;                        ///< s
-  double skin = 0;                          ///< of LIGGGHTS' neighbour lists (m); 0: unknown
-  double script_skin = -1;                  ///< the script's, where -skin best has taken another (m); else -1
-  double contact_time = 0;                  ///< s; 0: unknown
-  std::string contact_time_from;            ///< how it was found
-  std::string contacts;                     ///< what evaluates them; empty: no granular pair style
-  double equal_kn = 0;  ///< k_n of hooke/stiffness for the same contacts as model hooke, N/m; 0: none
+  /// Of equal spheres that make as rough a void fraction, (sum d^6 / sum d^3)^(1/3) (m); 0: unknown. These and d_most count
+  /// what is still to be inserted, too.
+  double d_rough = 0, d_most = 0;
+  bool sizes_of_templates = false;  ///< there are no particles yet
+  double density = 0;               ///< of the particles, kg/m3; 0: unknown
+  long long others = 0;             ///< particles outside the fix's group
+  Vec3 gravity{0, 0, 0};            ///< mean over the particles, m/s2
+  bool weights_differ = false;      ///< fixes gravity for parts of the particles
+  bool gravity_varies = false;      ///< there is one that follows a variable: not in the mean
+  double dem_dt = 0;                ///< s
+  double skin = 0;                  ///< of LIGGGHTS' neighbour lists (m); 0: unknown
+  double script_skin = -1;          ///< the script's, where -skin best has taken another (m); else -1
+  double contact_time = 0;          ///< s; 0: unknown
+  std::string contact_time_from;    ///< how it was found
+  std::string contacts;             ///< what evaluates them; empty: no granular pair style
+  double equal_kn = 0;              ///< k_n of hooke/stiffness for the same contacts as model hooke, N/m; 0: none
   std::vector<WallFacts> walls;
   std::optional<CutReport> cut;                  ///< bodies in the fluid's grid; none: there are none
   std::optional<OpenNodes::Figures> nodes;       ///< what they make of the particle grid

@@ -125,6 +125,10 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
                         (facts.d_mean > 0 ? " = " + brief(n.h_min / facts.d_mean) + " d" : ""));
   line("particle grid", three(coarse) + " cells of " + three(s.ratio) + " fine ones, smallest " + brief(n.h_coarse) +
                             " m" + (facts.d_mean > 0 ? " = " + brief(n.h_coarse / facts.d_mean) + " d" : ""));
+  for (const std::string& text : script.choices) {
+    const auto colon = text.find(": ");
+    line(text.substr(0, colon), text.substr(colon + 2));
+  }
   for (const char* name : {"method", "numerics"}) line(name, report_line(name, script));
   if (const std::string flow = report_line("flow", script, true); !flow.empty()) line("flow", flow);
   for (int side = 0; side < 6; ++side)

@@ -65,7 +65,7 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
                 " knows one size: it takes each particle for one among its like; for mixtures there is 'drag " +
                 mixture_law_names() + "'");
   const SettledBed bed = settled_bed(s, grid, facts);
-  if (const double missing = short_at_end(bed, s.deposit); missing > 0.05)
+  if (const double missing = short_at_end(bed, s.deposit); missing > kMostMissing)
     w.push_back("a bed of " + brief(bed.height) + " m holds few particle cells: where it ends, drag falls short by " +
                 percent_short(missing) + " of its pressure drop; lower ratio along gravity" +
                 (s.deposit == Deposit::kTrilinear ? ", or 'method sharp'" : ""));

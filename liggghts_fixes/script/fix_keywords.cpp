@@ -3,13 +3,23 @@
 namespace twogrid {
 namespace {
 
-template <class T>
-std::string three(const T& v) {
-  return exact(v[0]) + " " + exact(v[1]) + " " + exact(v[2]);
+/// Three numbers, each of which may be `auto`; or one `auto` for all.
+void three_counts(const Line& line, Int3& counts, std::array<bool, 3>& automatic, const std::string& wanted) {
+  double ignored = 0;
+  for (int d = 0; d < 3; ++d) {
+    automatic[d] = line.words.take_if("auto");
+    counts[d] = automatic[d] ? 0 : line.words.whole(line.keyword, wanted, 1);
+    if (d > 0 || !automatic[d] || line.words.next_is("auto") || is_number(line.words.peek(), &ignored)) continue;
+    automatic = {true, true, true}, counts = {0, 0, 0};
+    return;
+  }
 }
 
-void three_counts(const Line& line, Int3& counts, const std::string& wanted) {
-  for (int& n : counts) n = line.words.whole(line.keyword, wanted, 1);
+std::string counts_text(const Int3& counts, const std::array<bool, 3>& automatic) {
+  if (automatic == std::array<bool, 3>{true, true, true}) return "auto";
+  std::string text;
+  for (int d = 0; d < 3; ++d) text += (d ? " " : "") + (automatic[d] ? "auto" : exact(counts[d]));
+  return text;
 }
 
 void parse_stretch(const Line& line) {
@@ -42,11 +52,13 @@ std::string domain_text(const Script& script) {
 
 const std::vector<Keyword>& fix_keywords() {
   static const std::vector<Keyword> kRows{
-      {"fine", "nx ny nz", "", "fine cells", kRequired, "",
+      {"fine", "nx ny nz, each a number or `auto`, or `auto` for all", "",
+       "fine cells; `auto`: from the scene, see Grids from the scene", kRequired, "",
        [](const Line& l) {
-         three_counts(l, l.settings().fine, "three numbers of fine cells, nx ny nz, each at least 1");
+         three_counts(l, l.settings().fine, l.script.fine_auto,
+                      "three numbers of fine cells, nx ny nz, each at least 1 or auto, or auto for all three");
        },
-       [](const Script& s) { return three(s.settings.fine); }},
+       [](const Script& s) { return counts_text(s.settings.fine, s.fine_auto); }},
       {"density", "rho_f", "kg/m3", "", kRequired, "",
        [](const Line& l) { l.fluid().density = l.number("a fluid density above 0 (kg/m3)", kDensities); },
        [](const Script& s) { return exact(s.settings.fluid.density); }},
@@ -61,12 +73,15 @@ const std::vector<Keyword>& fix_keywords() {
            l.settings().every = l.words.whole(l.keyword, "a whole number of DEM steps, at least 1, or auto", 1);
        },
        [](const Script& s) { return s.every_auto ? "auto" : exact(s.settings.every); }},
-      {"ratio", "rx ry rz", "", "fine cells to a particle cell; must divide `fine`; 1 1 1 is one grid", "", "",
+      {"ratio", "rx ry rz, each a number or `auto`, or `auto` for all", "",
+       "fine cells to a particle cell; must divide `fine`; 1 1 1 is one grid", "1 1 1; where `fine` is `auto`: `auto`",
+       "",
        [](const Line& l) {
-         three_counts(l, l.settings().ratio,
-                      "three numbers of fine cells per particle cell, rx ry rz, each at least 1");
+         three_counts(
+             l, l.settings().ratio, l.script.ratio_auto,
+             "three numbers of fine cells per particle cell, rx ry rz, each at least 1 or auto, or auto for all three");
        },
-       [](const Script& s) { return three(s.settings.ratio); }},
+       [](const Script& s) { return counts_text(s.settings.ratio, s.ratio_auto); }},
       {"domain", "xlo xhi ylo yhi zlo zhi", "m", "where there is fluid, inside the box", "the box", "",
        [](const Line& l) {
          for (double& x : l.settings().domain) x = l.number("six bounds in m, xlo xhi ylo yhi zlo zhi", kCoordinates);

@@ -28,11 +28,17 @@ Script parse_fix(const std::string& id, const std::vector<std::string>& all) {
       wanted.erase(std::remove(wanted.begin(), wanted.end(), '`'), wanted.end());
       refuse(row.words, "no such keyword in the fix command", wanted);
     }
-  for (int d = 0; d < 3; ++d)
+  for (int d = 0; d < 3; ++d) {
+    if (script.fine_auto[d] && !seen.count("ratio")) script.ratio_auto[d] = true, s.ratio[d] = 0;
+    if (script.fine_auto[d] && s.stretch[d] != 1)
+      refuse("fine", "auto together with stretch in " + std::string(1, "xyz"[d]),
+             "a number of fine cells there (auto chooses equal cells), and auto elsewhere");
+    if (script.fine_auto[d] || script.ratio_auto[d]) continue;
     if (s.fine[d] % s.ratio[d] != 0)
       refuse("ratio", text(s.ratio[d]) + " in " + "xyz"[d] + " for fine " + text(s.fine[d]),
              "a ratio that divides the number of fine cells: " + text(s.fine[d]) + " is no multiple of " +
                  text(s.ratio[d]));
+  }
   return script;
 }
 

@@ -7,6 +7,7 @@
 
 #include "cfd/boundary/patches.h"
 #include "coupling/output/output.h"
+#include "liggghts_fixes/report/grid_scene.h"
 #include "liggghts_fixes/report/memory_need.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/script/consistency.h"
@@ -47,7 +48,10 @@ const Lines& fix_lines() {
                                      "fine 10 20 30 ratio 5 4 3 domain 0 0.008 0 0.008 0 0.016 stretch x 1.1 stretch z "
                                      "symmetric 0.9 density 2 viscosity 3 every 1",
                                      "fine 8 8 16 density 1.2 viscosity 1.8e-5 every 7 domain 0 0.004 0 0.008 0 0.008",
-                                     "density 1 viscosity 1 every 100 ratio 1 1 1 fine 2 2 2"});
+                                     "density 1 viscosity 1 every 100 ratio 1 1 1 fine 2 2 2",
+                                     "fine auto density 1.2 viscosity 1.8e-5 every auto",
+                                     "fine auto 1 auto ratio 3 1 auto density 1.2 viscosity 1.8e-5 every 5",
+                                     "fine 16 8 24 ratio auto density 1.2 viscosity 1.8e-5 every 5 stretch x 1.1"});
   return kLines;
 }
 
@@ -126,8 +130,9 @@ std::vector<Bound> bounds(const Script& script) {
                        {"checkpoint every min", script.checkpoints.seconds, 0, 1e9},
                        {"checkpoint keep", double(script.checkpoints.keep), 1, kMost}};
   for (int d = 0; d < 3; ++d) {
-    b.push_back({"fine", double(s.fine[d]), 1, kMost});
-    b.push_back({"ratio", double(s.ratio[d]), 1, double(s.fine[d])});
+    const bool known = !script.fine_auto[d] && !script.ratio_auto[d];
+    b.push_back({"fine", double(s.fine[d]), script.fine_auto[d] ? 0.0 : 1.0, script.fine_auto[d] ? 0.0 : kMost});
+    b.push_back({"ratio", double(s.ratio[d]), script.ratio_auto[d] ? 0.0 : 1.0, known ? double(s.fine[d]) : kMost});
     b.push_back({"stretch", s.stretch[d], 0.5, 2});
     b.push_back({"initial u", f.initial_velocity[d], -kFast, kFast});
     b.push_back({"pressure_gradient", f.pressure_gradient[d], -kStrong, kStrong});
@@ -189,11 +194,17 @@ std::string unlike_its_record(const Script& script) {
   return "";
 }
 
-std::string report_of(const Script& script, const FineGrid& grid, Dice& dice) {
+SceneFacts some_facts(Dice& dice) {
   SceneFacts facts;
   facts.particles = (long long)dice.below(100000), facts.dem_dt = 1e-5;
   facts.d_min = facts.d_mean = facts.d_max = dice.one_in(4) ? 0 : 1e-3, facts.density = dice.one_in(4) ? 0 : 2500;
+  facts.d_rough = facts.d_max, facts.d_most = (dice.one_in(2) ? 1 : 3) * facts.d_max;
   facts.gravity[2] = dice.one_in(4) ? 0 : -9.81;
+  return facts;
+}
+
+std::string report_of(const Script& script, const FineGrid& grid, Dice& dice) {
+  const SceneFacts facts = some_facts(dice);
   const SceneNumbers n = scene_numbers(script.settings, grid, facts);
   const double kAny = 1e300;
   const std::string wrong =
@@ -210,6 +221,18 @@ std::string report_of(const Script& script, const FineGrid& grid, Dice& dice) {
   if (!wrong.empty()) return wrong;
   scene_warnings(script.settings, grid, facts, n, script.every_auto);
   return scene_report(script, grid, facts).empty() ? "an empty scene report" : "";
+}
+
+/// In place of auto.
+void choose(Script& script, const BoxFacts& box, Dice& dice) {
+  Script some = with_some_cells(script);
+  complete(some, box);
+  for (auto& side : some.settings.fluid.side)
+    for (BoundaryCondition& c : side)
+      if (c.shape.kind == PatchShape::Kind::kRegion) c.shape.inside = [](const Vec3& x) { return x[0] > 0.003; };
+  const GridChoice choice = choose_grids(grid_scene(some.settings, some_facts(dice), {}), given_grids(script));
+  script.settings.fine = choice.fine, script.settings.ratio = choice.ratio;
+  script.fine_auto = script.ratio_auto = {false, false, false};
 }
 
 }  // namespace
@@ -254,6 +277,10 @@ Verdict try_script(Dice& dice) {
       return v;
   }
   words.insert(words.end(), fix.begin(), fix.end());
+  if (script.grids_auto()) {
+    v = tried([&] { choose(script, box, dice); }, words);
+    if (!v.accepted || wrong(outside(bounds(script)))) return v;
+  }
   const double cells = double(script.settings.fine[0]) * script.settings.fine[1] * script.settings.fine[2];
   const double most_cells = 2147483647;
   v = tried([&] { check_memory(MPI_COMM_SELF, script.settings, {1, 1, 1}, most_cells, script.bodies.size()); }, words);

@@ -1,0 +1,170 @@
+#!/usr/bin/python3
+"""`fine auto ratio auto every auto`: what is promised of the grids is there in scenes of many kinds, without warnings of the program's own about
+them; the same on any number of ranks; kept where a run goes on from a checkpoint, whatever the particles are by then; a run with the same numbers
+given has the same bits; what can't be chosen ends in a sentence.
+
+Without this test a jet could have three cells, grains of 4 mm cells of 5, a run that goes on begin on other grids than it ended on, and a jet of
+0.1 mm in a box of a metre take all of a machine's memory.
+Usage: auto_grids.py EXECUTABLE RANKS...
+"""
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+
+import h5py
+import numpy as np
+
+from harness import MPIRUN, Checks, Run, arguments, head, poured, walls
+
+AUTO = "fine auto ratio auto every auto"
+SLOT = "0 0.0216 0 0.0048 0 0.036"
+SLOT_WALLS = walls(xplane=(0, 0.0216), yplane=(0, 0.0048), zplane=(0,))
+JET = """fix_modify gas boundary zlo inlet 0 0 0.4 boundary zhi pressure 0
+fix_modify gas boundary zlo patch jet rect 0.0096 0.0120 0 0.0048 inlet 0 0 5.0
+"""
+OURS = ("void fraction is rough", "takes whole fine faces", "narrowest opening", "fluid crosses", "holds few particle cells", "parts")
+
+
+def gas(words=AUTO):
+    return f"fix gas all twogrid {words} density 1.2 viscosity 1.8e-5\n"
+
+
+def grains(sizes, box, layers=3, every=1):
+    """A loose lattice of the largest size, whose points take the sizes in turn."""
+    pitch = 1.01 * max(sizes)
+    text = f"lattice sc {pitch!r} origin 0.5 0.5 0.5\nregion grains block {box} units box\ncreate_atoms 1 region grains\n"
+    text += f"set group all diameter {sizes[0]!r} density 2500\n"
+    for i, d in enumerate(sizes[1:], 1):
+        text += f"region r{i} block {box} units box\ngroup g{i} id {i}:100000:{len(sizes) * every}\nset group g{i} diameter {d!r}\n"
+    return text
+
+
+def grids(run):
+    """fine, ratio, every as the scene report has them."""
+    three = r"(\d+) x (\d+) x (\d+)"
+    fine = re.search(r"fine grid +" + three, run.output)
+    ratio = re.search(r"particle grid +" + three + r" cells of " + three, run.output)
+    every = re.search(r"coupling interval +(\d+) steps", run.output)
+    return tuple(map(int, fine.groups())), tuple(map(int, ratio.groups()[3:])), int(every.group(1))
+
+
+def scene(box, boundary, sizes, more, words=AUTO, fill=None, before=""):
+    low = box.split()
+    room = fill or " ".join(low)
+    return head(box, 1e-5, boundary=boundary, skin=0.3 * min(sizes)) + before + grains(sizes, room) + \
+        "fix motion all nve/sphere\nfix weight all gravity 9.81 vector 0 0 -1\n" + gas(words) + more + "run 0\n"
+
+
+def kinds(c, executable):
+    """Box (m), boundary, sizes of grains, lines; then what must hold: patches (direction, width), and widths that want 8 or 4 cells."""
+    blow = "fix_modify gas boundary zlo inlet 0 0 0.5 boundary zhi pressure 0\n"
+    for name, box, boundary, sizes, more, before, jets, widths in (  # of the pipe: a column inside it
+            ("slot", (0.04, 0.005, 0.1), "f f f", [1e-3], blow + "fix_modify gas boundary zlo patch j rect 0.0187 0.0201 0 0.005 inlet 0 0 5\n", "", [(0, 1.4e-3)], []),
+            ("periodic box", (0.02, 0.02, 0.02), "p p p", [1e-3], "fix_modify gas flow_rate z 0.3\n", "", [], []),
+            ("jet at an odd place", (0.04, 0.03, 0.08), "f f f", [1e-3], blow + "fix_modify gas boundary zlo patch j rect 0.01234 0.01571 0.0077 0.0111 inlet 0 0 5\n", "", [(0, 3.37e-3), (1, 3.4e-3)], []),
+            ("jets on two sides", (0.03, 0.006, 0.06), "f f f", [1e-3], "fix_modify gas boundary zlo patch a rect 0.004 0.0065 0 0.006 inlet 0 0 5 boundary xlo patch b rect 0 0.006 0.031 0.0335 inlet 4 0 0 boundary zhi pressure 0\n", "", [(0, 2.5e-3), (2, 2.5e-3)], []),
+            ("circles", (0.03, 0.03, 0.06), "f f f", [1e-3], blow + "fix_modify gas boundary zlo patch a circle 0.0101 0.015 0.002 inlet 0 0 5 boundary zlo patch b circle 0.021 0.0127 0.0026 inlet 0 0 5\n", "", [(0, 4e-3), (1, 4e-3)], []),
+            ("a region", (0.03, 0.03, 0.06), "f f f", [1e-3], blow + "fix_modify gas boundary zlo patch a region nozzle inlet 0 0 5\n", "region nozzle block 0.013 0.0172 0.012 0.018 INF INF units box\n", [(0, 4.2e-3), (1, 6e-3)], []),
+            ("sizes 1:3", (0.04, 0.03, 0.2), "f f f", [3e-3, 1e-3, 1e-3, 1e-3], blow, "", [], []),
+            ("a round pipe", (0.04, 0.02, 0.06), "f f f", [1e-3], blow + "fix_modify gas solid pipe region outside\n",
+             "region outside cylinder z 0.02 0.01 0.008 INF INF side out units box\n", [], [(0, 0.016, 8), (1, 0.016, 8)]),
+            ("a thin tube", (0.02, 0.004, 0.03), "f f f", [1e-3], blow + "fix_modify gas solid rod region rod\n", "region rod cylinder y 0.01 0.0151 0.0004 INF INF units box\n", [], [(0, 0.0008, 8), (2, 0.0008, 8)])):
+        text = " ".join(f"0 {x!r}" for x in box)
+        fill = "0.015 0.025 0.005 0.015 0 0.04" if name == "a round pipe" else None
+        r = Run(executable, scene(text, boundary, sizes, more, before=before, fill=fill or f"0 {box[0]!r} 0 {box[1]!r} 0 {0.6 * box[2]!r}"), launcher=None)
+        fine, ratio, every = grids(r)
+        told = [w for w in OURS if any("WARNING" in line and w in line for line in r.output.splitlines())]
+        if box[2] / (fine[2] // ratio[2]) < 2.1 * max(sizes):  # as low as they may be
+            told = [w for w in told if w != "holds few particle cells"]
+        across = [width * fine[d] / box[d] for d, width in jets]
+        cells = [box[d] / (fine[d] // ratio[d]) for d in range(3) if fine[d] > 1]
+        enough = all(a > 4 - 1e-9 for a in across) and all(w * fine[d] / box[d] > n - 1e-6 for d, w, n in widths)
+        c.true(f"{name}: {' x '.join(map(str, fine))}, ratio {' x '.join(map(str, ratio))}, every {every}; particle cells of {min(cells) / max(sizes):.2f} of the largest; "
+               f"{', '.join(f'{a:.1f}' for a in across) or 'no'} across jets; told: {told or 'nothing'}",
+               enough and min(cells) > 2 * max(sizes) * (1 - 1e-9) and not told and "grids                 chosen (auto)" in r.output)
+
+
+BED = head(SLOT, 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=2e-3, gammat=1e-3) + SLOT_WALLS + poured(450) + "run 2000\nreset_timestep 0\n"
+GOES = "fix_modify gas output every 300 file bed.h5 fields u p eps\nthermo_style custom step ke f_gas[1] f_gas[4]\nthermo_modify format float %.17g norm no\nthermo 100\n"
+
+
+def same(c, executable, ranks):
+    """On all ranks; and given."""
+    seen = {}
+    for n in ranks:
+        r = Run(executable, BED + gas() + JET + GOES + "run 300\n", n)
+        seen[n] = grids(r)
+        if n == 1:
+            one = r
+    c.true(f"the same on {', '.join(map(str, ranks))} ranks: {seen[1]}", len(set(seen.values())) == 1)
+    fine, ratio, every = seen[1]
+    words = f"fine {' '.join(map(str, fine))} ratio {' '.join(map(str, ratio))} every {every}"
+    given = Run(executable, BED + gas(words) + JET + GOES + "run 300\n")
+    with h5py.File(one.file("bed.h5")) as a, h5py.File(given.file("bed.h5")) as b:
+        names = []
+        a["frames" if "frames" in a else "/"].visititems(lambda n, d: names.append(d.name) if isinstance(d, h5py.Dataset) else None)
+        unlike = [n for n in names if not np.array_equal(a[n][()], b[n][()]) and "record" not in n]
+        record = tuple(a["record"].attrs["fine"]), tuple(a["record"].attrs["ratio"])
+    c.true(f"{words}: given, the same bits in {len(names)} fields{unlike or ''}", len(names) > 3 and not unlike and np.array_equal(one.thermo()["KinEng"], given.thermo()["KinEng"]))
+    c.true(f"the file's record has the numbers: {record}", record == (fine, ratio))
+    c.true("given grids are not called chosen", "chosen (auto)" not in given.output)
+
+
+def goes_on(c, executable):
+    """Between two runs a grain of three times the size comes: chosen anew, the particle cells would be as large as two of it."""
+    later = "create_atoms 1 single 0.006 0.0024 0.028\ngroup big id > 450\nset group big diameter 0.0036 density 1000\n"
+    text = BED + gas() + JET + GOES + "fix_modify gas checkpoint every 300 keep 9\nrun 300\n" + later + "run 600\n"
+    first = Run(executable, text)
+    with tempfile.TemporaryDirectory(prefix="twogrid_test_") as folder:
+        path = os.path.join(folder, "run")
+        shutil.copytree(first.path, path)
+        kept = sorted(os.listdir(os.path.join(path, "in.test.checkpoints")))
+        for name in kept[2:]:
+            shutil.rmtree(os.path.join(path, "in.test.checkpoints", name))
+        done = subprocess.run([*MPIRUN, "-np", "1", os.path.abspath(executable), "-in", "in.test", "-restart", "auto"], cwd=path, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, errors="replace", timeout=100)
+        first.output, log = first.output, done.stdout
+        there = done.returncode == 0 and "as the checkpoint has them" in log
+        second = type("Log", (), {"output": log})
+        c.true(f"from {kept[1]} of {len(kept)} on with the grids of the beginning: {grids(second) if there else log[-2000:]}", there and grids(second) == grids(first))
+        unlike = []
+        with h5py.File(first.file("bed.h5")) as f, h5py.File(os.path.join(path, "bed.h5")) as g:
+            names = []
+            f.visititems(lambda n, d: names.append(n) if isinstance(d, h5py.Dataset) and "record" not in n else None)
+            unlike = [n for n in names if n not in g or not np.array_equal(f[n][()], g[n][()])]
+        c.true(f"and with all bits of its {len(names)} fields{unlike[:3] or ''}", len(names) > 6 and not unlike)
+        fresh = Run(executable, BED + later + gas() + JET + "run 0\n")
+        c.true(f"chosen anew they would be others: {grids(fresh)}", grids(fresh)[:2] != grids(first)[:2])
+
+
+def refused(c, executable):
+    for what, box, sizes, words, more, wanted in (
+            ("a jet of 0.1 mm in a box of 1 m", "0 1 0 1 0 1", [0.05], AUTO, "fix_modify gas boundary zlo patch j rect 0.5 0.5001 0.5 0.5001 inlet 0 0 5 boundary zhi pressure 0\n", ("patch j of zlo", "40000 in x", "give numbers")),
+            ("stretch", "0 0.1 0 0.1 0 0.1", [0.005], AUTO + " stretch z 1.1", "", ("stretch", "in z")),
+            ("a prime number of cells", "0 0.1 0 0.1 0 0.1", [0.005], "fine 20 20 61 ratio auto every auto", "", ("61", "ratio")),
+            ("a ratio that makes cells of a grain", "0 0.1 0 0.1 0 0.1", [0.005], "fine auto ratio 2 2 2 every auto", "fix_modify gas boundary zlo patch j rect 0.05 0.058 0 0.1 inlet 0 0 5 boundary zhi pressure 0\n", ("ratio", "patch j of zlo", "or auto")),
+            ("one grid", "0 0.1 0 0.1 0 0.1", [0.005], AUTO, "fix_modify gas method single boundary zlo patch j rect 0.05 0.058 0 0.1 inlet 0 0 5 boundary zhi pressure 0\n", ("method single", "numbers")),
+            ("no grains, no templates", "0 0.1 0 0.1 0 0.1", None, AUTO, "", ("no particles nor templates", "numbers of cells"))):
+        text = scene(box, "f f f", sizes or [0.005], more, words, fill="0 0.1 0 0.1 0 0.1")
+        if sizes is None:
+            text = f"units si\natom_style granular\nnewton off\ncommunicate single vel yes\nboundary f f f\nregion box block {box} units box\ncreate_box 1 box\n" \
+                   "fix kn all property/global youngsModulus peratomtype 1e7\n" + gas(words) + "timestep 1e-5\nneighbor 0.001 bin\nrun 0\n"
+        r = Run(executable, text, expect_success=False, launcher=None)
+        line = next((x for x in r.output.splitlines() if "fix gas twogrid" in x), "no sentence")
+        c.true(f"{what}: {line}", r.code != 0 and all(w in line for w in wanted))
+
+
+def main():
+    executable, ranks = arguments()
+    c = Checks("grids from the scene")
+    kinds(c, executable)
+    same(c, executable, ranks)
+    goes_on(c, executable)
+    refused(c, executable)
+    c.end()
+
+
+if __name__ == "__main__":
+    main()
