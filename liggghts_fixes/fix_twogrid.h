@@ -115,6 +115,11 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   Shares shares() const;
   long long fluid_steps() const;
   bool borders_follow() const;
+  /// Velocities of inlets are those of this step of the run; 0: of the step in hand.
+  void look_ahead(long long step) { names_.look_ahead(step); }
+  /// Share of the bed whose particles the fluid carries, 0 to 1; negative: not known, nothing blows. Collective.
+  double carried_share();
+  bool nothing_moves() const { return motion_.still; }
   /// What a frame and the means take. Collective.
   PlannedOutput measure_output();
   /// So many DEM steps have been passed over.

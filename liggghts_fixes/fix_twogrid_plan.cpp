@@ -10,6 +10,8 @@
 #include "coupling/output/run_files.h"
 #include "liggghts_fixes/fix_twogrid.h"
 #include "liggghts_fixes/liggghts/run_record.h"
+#include "liggghts_fixes/liggghts/scene_facts.h"
+#include "liggghts_fixes/report/planned_bed.h"
 #include "liggghts_fixes/run/replay.h"
 #include "liggghts_fixes/run/still_files.h"
 #include "liggghts_fixes/script/keywords.h"
@@ -72,6 +74,17 @@ PlannedOutput FixTwogrid::measure_output() {
     cost.empty = empty_file_, cost.means = means_in_file_;
   });
   return cost;
+}
+
+double FixTwogrid::carried_share() {
+  if (!fluid_) return -1;
+  Settings now = script_.settings;
+  now.fluid = fluid_->settings();
+  const FineGrid& grid = fluid_->grid();
+  SceneFacts facts = scene_facts(*lmp, groupbit);
+  look_at_bodies(facts);
+  const SceneNumbers n = scene_numbers(now, grid, facts);
+  return twogrid::carried_share(now, grid, n, settled_bed(now, grid, facts));
 }
 
 bool FixTwogrid::borders_follow() const {

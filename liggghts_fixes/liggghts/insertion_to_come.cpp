@@ -53,12 +53,27 @@ ComingParticles pass_insertions(LAMMPS& lammps, long long end) {
   return coming;
 }
 
-bool inserts_until(LAMMPS& lammps, long long end) {
+std::vector<std::string> last_insertions(LAMMPS& lammps, long long end) {
+  std::vector<std::string> ids;
   for (int i = 0; i < lammps.modify->nfix; ++i) {
     auto* insert = dynamic_cast<FixInsert*>(lammps.modify->fix[i]);
-    if (insert && insert->next_reneighbor > 0 && insert->next_reneighbor <= end) return true;
+    if (insert && insert->next_reneighbor > 0 && insert->next_reneighbor <= end && insert->ins_every() == 0)
+      ids.push_back(insert->id);
   }
-  return false;
+  return ids;
+}
+
+double without_room(LAMMPS& lammps, const std::vector<std::string>& ids) {
+  double missing = 0;
+  for (const std::string& id : ids) {
+    const int at = lammps.modify->find_fix(id.c_str());
+    auto* insert = at < 0 ? nullptr : dynamic_cast<FixInsert*>(lammps.modify->fix[at]);
+    if (!insert) continue;
+    double wanted = insert->*member(ToHasEnd()) ? insert->*member(ToWanted()) : 0;
+    if (auto* pack = dynamic_cast<FixInsertPack*>(insert)) wanted = std::max(wanted, double(pack->*member(InRegion())));
+    missing += std::max(0.0, wanted - insert->*member(ToInserted()));
+  }
+  return missing;
 }
 
 }  // namespace twogrid

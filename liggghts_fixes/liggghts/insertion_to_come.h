@@ -1,6 +1,9 @@
 // Particles that fixes insert/... will have added by a later step, without a run: for a plan.
 #pragma once
 
+#include <string>
+#include <vector>
+
 namespace LAMMPS_NS {
 class LAMMPS;
 }
@@ -15,7 +18,9 @@ struct ComingParticles {
 /// Those that insertions would add after the present step, up to step `end`; the fixes take them for done. Local.
 ComingParticles pass_insertions(LAMMPS_NS::LAMMPS& lammps, long long end);
 
-/// Whether an insertion is due after the present step, up to step `end`. Local.
-bool inserts_until(LAMMPS_NS::LAMMPS& lammps, long long end);
+/// Insertions that are due once, and for the last time, after the present step, up to step `end`: their fixes, by ID. Local.
+std::vector<std::string> last_insertions(LAMMPS_NS::LAMMPS& lammps, long long end);
+/// Particles that these had room for less than the script asks them for. Local.
+double without_room(LAMMPS_NS::LAMMPS& lammps, const std::vector<std::string>& ids);
 
 }  // namespace twogrid

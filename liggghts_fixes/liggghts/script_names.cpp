@@ -14,6 +14,25 @@ namespace twogrid {
 
 using namespace LAMMPS_NS;
 
+namespace {
+
+/// The step is a later one, if any, while this lives.
+class Later {
+ public:
+  Later(Update& update, long long step) : update_(update), now_(update.ntimestep) {
+    if (step > 0) update_.ntimestep = step;
+  }
+  ~Later() { update_.ntimestep = now_; }
+  Later(const Later&) = delete;
+  Later& operator=(const Later&) = delete;
+
+ private:
+  Update& update_;
+  bigint now_;
+};
+
+}  // namespace
+
 double ScriptNames::equal_style(const std::string& variable, const std::string& keyword) const {
   Variable* const variables = lammps_.input->variable;
   Modify* const modify = lammps_.modify;
@@ -25,7 +44,11 @@ double ScriptNames::equal_style(const std::string& variable, const std::string& 
   // LIGGGHTS' list of computes that a variable may ask for exists only once a run has been set up.
   if (!in_run_) return variables->compute_equal(v);
   modify->clearstep_compute();
-  const double value = variables->compute_equal(v);
+  double value = 0;
+  {
+    const Later later(*lammps_.update, later_);
+    value = variables->compute_equal(v);
+  }
   modify->addstep_compute(lammps_.update->ntimestep + script_.settings.every);
   return value;
 }

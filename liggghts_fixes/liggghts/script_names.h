@@ -31,6 +31,8 @@ class ScriptNames {
   void check_region_faces(const FineGrid& grid);
   /// A run has been set up: LIGGGHTS has its list of computes that a variable may ask for.
   void run_is_set_up() { in_run_ = true; }
+  /// For a plan: velocities of couplings are those of a later step of the run. 0: of the step itself.
+  void look_ahead(long long step) { later_ = step; }
   /// Value of a variable, now. Throws std::invalid_argument, naming the keyword, where it is none.
   double equal_style(const std::string& variable, const std::string& keyword) const;
 
@@ -41,6 +43,7 @@ class ScriptNames {
   Script& script_;
   std::string id_;
   bool in_run_ = false;
+  long long later_ = 0;
   std::map<std::pair<int, std::size_t>, std::vector<bool>> region_faces_;  // of patches by region: side, condition
 };
 

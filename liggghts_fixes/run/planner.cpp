@@ -24,6 +24,7 @@
 #include "liggghts_fixes/liggghts/particle_columns.h"
 #include "liggghts_fixes/liggghts/scene_facts.h"
 #include "liggghts_fixes/liggghts/tell.h"
+#include "liggghts_fixes/report/planned_bed.h"
 #include "liggghts_fixes/run/signals.h"
 #include "liggghts_fixes/run/still_files.h"
 
@@ -33,6 +34,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
+constexpr double kSome = 500;                   // particles, from which on their work can be told from the step's
 constexpr double kLeast = 0.0025, kMost = 0.1;  // of the time to measure, for a run
 
 std::vector<FixTwogrid*> fluids(LAMMPS& lammps) {
@@ -129,6 +131,9 @@ void Planner::measure(int n, const Steps& advance, const Steps& end) {
     advance(m);
     left -= m;
   };
+  // In the middle of the run, at a step at which all that looks at one in so many steps looks.
+  const long long first = lammps_.update->ntimestep, raster = 100LL * interval;
+  look_ahead(first + (part_end_ - first) / 2 / raster * raster);
   loop_ = from_ = now();
   // To a coupling, and on until all is in the caches and the flow has begun.
   for (int i = 0; left > 0 && (i < 3 || spent() < 0.3 * wanted); ++i)
@@ -142,20 +147,39 @@ void Planner::measure(int n, const Steps& advance, const Steps& end) {
     if (spent() - before < 0.05 * wanted) steps *= 2;
   }
   to_ = now();
+  look_at_bed();
+  look_ahead(0);
   files_.ask_dumps();
   if (n > 0) end(1);
   end_ = now();
   spent_ += spent();
 }
 
+void Planner::look_ahead(long long step) {
+  for (FixTwogrid* f : fluids(lammps_)) f->look_ahead(step);
+}
+
+void Planner::look_at_bed() {
+  share_ = -1;
+  for (FixTwogrid* f : fluids(lammps_)) share_ = std::max(share_, f->carried_share());
+  contacts_ = count_contacts(lammps_);
+}
+
 void Planner::begin_run(const std::string& line) {
   PlannedRun run;
   run.line = line;
   plan_.runs.push_back(run);
+  missing_.push_back({});
 }
 
-void Planner::begin_part() {
+void Planner::begin_part(long long to) {
+  if (!lammps_.update->first_update) {  // of a scene
+    coming_ = fallen_ = particles_ = 0;
+    stale_ = false;
+  }
   part_ = now();
+  part_end_ = to;
+  insertions_ = last_insertions(lammps_, to);
   plan_.setup_seconds += most_of_ranks(part_.cpu - between_);
 }
 
@@ -173,13 +197,36 @@ void Planner::end_part(long long to, const std::vector<Command>& commands) {
                output = whole(&Times::output);
   const double present = double(particles_of_all_ranks(lammps_));
   const ComingParticles coming = pass_insertions(lammps_, to);
+  // Particles hang where they would have fallen, and there is no room for others: these come at once, the rest by and by.
+  if (stale_) coming_ += without_room(lammps_, insertions_);
   const double here = present + coming_ + 0.5 * coming.number;  // on average
   coming_ += coming.number;
-  run.particle_seconds += most_of_ranks(std::max(0.0, cpu - fluid - output)) * (present > 0 ? here / present : 1.0);
+  stale_ = stale_ || (left > 0 && present > 0);
+  const bool some = present >= kSome;  // else the particles that there will be are thought of as in a lattice
+  run.particle_seconds += most_of_ranks(std::max(0.0, cpu - fluid - output)) * (some ? here / present : 1.0);
+  if (!some) missing_.back().particles += (here - present) / plan_.ranks * double(to - part_.step);
   run.fluid_seconds += most_of_ranks(fluid);
   run.other_seconds += most_of_ranks(output + (after.cpu - part_.cpu) - (end_.cpu - loop_.cpu));
   run.fluid_steps += double(end_.fluid_steps - loop_.fluid_steps) + times * double(to_.fluid_steps - from_.fluid_steps);
   run.particles = present + coming_;
+  const double run_seconds = double(to - part_.step) * update.dt;
+  if (run.particles > particles_) fallen_ = 0;
+  particles_ = run.particles;
+  take_scene(run);
+  double contacts = contacts_;
+  MPI_Allreduce(MPI_IN_PLACE, &contacts, 1, MPI_DOUBLE, MPI_SUM, lammps_.world);
+  bool still = false;
+  for (const FixTwogrid* f : fluids(lammps_)) still = still || f->nothing_moves();
+  if (here > 0 && fall_ >= 0 && !still && to > part_.step + 1) {
+    const double measured = present > 0 ? contacts / present : 0.0;
+    // In a fluid at rest they sink more slowly; scripts let them settle, and mostly not much longer.
+    const double falls = fluids(lammps_).empty() ? fall_ - fallen_ : 0.5 * run_seconds;
+    const double wanted = planned_contacts(share_, measured, falls, run_seconds);
+    missing_.back().contacts +=
+        (wanted - measured) * here * fullest_share(run.parts, plan_.ranks) * double(to - part_.step);
+  }
+  fallen_ += run_seconds;
+  scene_ = commands;
   if (coming.at_most)
     plan_.remarks.push_back("run " + std::to_string(plan_.runs.size()) +
                             " fills a region again and again: its particles are the most that there can be");
@@ -207,7 +254,6 @@ void Planner::end_run() {
     run.couplings = std::max(run.couplings, double(run.steps) / f->settings().every);
     run.at_most = run.at_most || f->settings().output.until > 0;
   }
-  take_scene(run);
   between_ = cpu_seconds();
 }
 
@@ -215,7 +261,8 @@ void Planner::take_scene(PlannedRun& run) {
   const Domain& domain = *lammps_.domain;
   PlannedParts& parts = run.parts;
   run.reach = lammps_.neighbor->cutneighmax;
-  double lo[3], hi[3], volume = 0;
+  double lo[3], hi[3], sums[3] = {0, 0, 0};  // volume, radius, mass
+  double& volume = sums[0];
   for (int d = 0; d < 3; ++d) {
     parts.bricks[d] = lammps_.comm->procgrid[d], parts.wanted[d] = lammps_.comm->user_procgrid[d];
     parts.length[d] = domain.prd[d];
@@ -224,12 +271,17 @@ void Planner::take_scene(PlannedRun& run) {
   const Atom& atom = *lammps_.atom;
   for (int i = 0; i < atom.nlocal; ++i) {
     for (int d = 0; d < 3; ++d) lo[d] = std::min(lo[d], atom.x[i][d]), hi[d] = std::max(hi[d], atom.x[i][d]);
-    if (atom.radius) volume += 4.0 / 3 * 3.14159265358979 * atom.radius[i] * atom.radius[i] * atom.radius[i];
+    if (!atom.radius || !atom.rmass) continue;
+    volume += 4.0 / 3 * 3.14159265358979 * atom.radius[i] * atom.radius[i] * atom.radius[i];
+    sums[1] += atom.radius[i], sums[2] += atom.rmass[i];
   }
   MPI_Allreduce(MPI_IN_PLACE, lo, 3, MPI_DOUBLE, MPI_MIN, lammps_.world);
   MPI_Allreduce(MPI_IN_PLACE, hi, 3, MPI_DOUBLE, MPI_MAX, lammps_.world);
-  MPI_Allreduce(MPI_IN_PLACE, &volume, 1, MPI_DOUBLE, MPI_SUM, lammps_.world);
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, lammps_.world);
+  fall_ = -1;
   if (volume <= 0) return;
+  spheres_ = {2 * sums[1] / double(particles_of_all_ranks(lammps_)), sums[2] / volume, lammps_.neighbor->skin,
+              atom.ntypes};
   for (int d = 0; d < 3; ++d)
     parts.lo[d] = (lo[d] - domain.boxlo[d]) / domain.prd[d], parts.hi[d] = (hi[d] - domain.boxlo[d]) / domain.prd[d];
   // What falls will lie at the bottom.
@@ -243,7 +295,9 @@ void Planner::take_scene(PlannedRun& run) {
     double section = 1;
     for (int d = 0; d < 3; ++d)
       if (d != along) section *= hi[d] - lo[d];
-    const double height = 1.2 * volume / 0.6 / std::max(section, 1e-300) / domain.prd[along];
+    const double settled = volume / 0.6 / std::max(section, 1e-300);
+    const double height = 1.2 * settled / domain.prd[along];
+    fall_ = std::sqrt(2 * std::max(0.0, hi[along] - lo[along] - settled) / std::abs(g[along]));
     if (g[along] < 0)
       parts.hi[along] = std::min(parts.hi[along], parts.lo[along] + height);
     else
@@ -261,14 +315,20 @@ bool Planner::has_enough() const {
   return most_of_ranks(MPI_Wtime()) - began_ > kSeconds && plan_.runs.size() > 100;
 }
 
-void Planner::finish(bool stopped) {
+void Planner::finish(bool stopped, const std::function<void(const std::string&)>& execute) {
   plan_.setup_seconds += most_of_ranks(cpu_seconds() - between_);
   plan_.most_bytes = most_of_ranks(most_memory());
+  plan_.files = files_.list();
+  const LatticeCosts cost = lattice_costs(lammps_, scene_, spheres_, execute);
+  for (std::size_t i = 0; i < missing_.size(); ++i) {
+    double& seconds = plan_.runs[i].particle_seconds;
+    seconds = std::max(0.3 * seconds, seconds + missing_[i].contacts * cost.contact) +
+              1.5 * missing_[i].particles * cost.particle;
+  }
   if (stopped)
     plan_.remarks.push_back(
         "the script hasn't come to its end after " + std::to_string(plan_.runs.size()) +
         " runs: a loop waits for a result, which a plan doesn't have; all figures are of the runs so far");
-  plan_.files = files_.list();
   tell(lammps_, plan_text(plan_));
 }
 

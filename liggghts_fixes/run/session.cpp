@@ -102,7 +102,10 @@ Session::Session(LAMMPS& lammps, const CommandLine& line, Checkpoint from)
 int Session::run() {
   if (!from_.path.empty()) go_on();
   if (!ended_) interpreter_.run([this] { return end_here(); });
-  if (planner_) planner_->finish(ended_);
+  if (planner_) {
+    handle_runs({});
+    planner_->finish(ended_, [this](const std::string& line) { interpreter_.one(line); });
+  }
   return early_end_.signal() != 0 && ended_ ? early_end_.signal() : 0;
 }
 
@@ -196,7 +199,7 @@ void Session::plan_parts(const Command& words, const RunRequest& r) {
   bool set_up = r.pre;
   for (bool first = true; first || update.ntimestep < r.end; first = false) {
     const long long step = update.ntimestep, to = r.part_end(step);
-    planner_->begin_part();
+    planner_->begin_part(to);
     stock_run(lammps_, "run", r.words(step, to, set_up));
     planner_->end_part(to, interpreter_.commands());
     interpreter_.note_run();

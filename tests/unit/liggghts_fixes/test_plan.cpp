@@ -7,6 +7,8 @@
 
 #include "liggghts_fixes/report/plan_model.h"
 #include "liggghts_fixes/report/plan_table.h"
+#include "liggghts_fixes/report/planned_bed.h"
+#include "liggghts_fixes/script/consistency.h"
 
 namespace twogrid {
 namespace {
@@ -91,6 +93,54 @@ TEST(PlanModel, MemoryOnRanks) {
   EXPECT_DOUBLE_EQ(bytes_on(p, 50e6, 250e6, 4), 100e6);
   p.wanted = {1, 1, 0};
   EXPECT_DOUBLE_EQ(bytes_on(p, 50e6, 250e6, 2), 250e6);
+}
+
+TEST(PlannedBed, WhatTheGasCarries) {
+  // 40 x 1 x 40 cells of 1 mm, floor and top open.
+  Settings s;
+  s.fine = {40, 1, 40}, s.ratio = {4, 1, 4};
+  s.domain = {0, 0.04, 0, 0.001, 0, 0.04};
+  const auto condition = [](BoundaryKind kind, double u) {
+    BoundaryCondition c;
+    c.kind = kind, c.velocity = {0, 0, u};
+    return c;
+  };
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  SceneNumbers n;
+  n.Umf = 0.5;
+  SettledBed bed;
+  bed.along = 2, bed.height = 0.01, bed.section = 0.04 * 0.001;
+  const auto share = [&](double u) {
+    s.fluid.side[4] = {condition(BoundaryKind::kInlet, u)};
+    s.fluid.side[5] = {condition(BoundaryKind::kPressure, 0)};
+    n.U_bed = u;
+    return carried_share(s, grid, n, bed);
+  };
+  EXPECT_DOUBLE_EQ(share(0.4), 0);
+  EXPECT_DOUBLE_EQ(share(0.5), 0);
+  EXPECT_NEAR(share(0.625), 0.5, 1e-12);
+  EXPECT_DOUBLE_EQ(share(2), 1);
+  // A jet over a tenth of the floor, and gas at rest beside it.
+  s.fluid.side[4] = {condition(BoundaryKind::kInlet, 0.4), condition(BoundaryKind::kInlet, 8)};
+  PatchShape& jet = s.fluid.side[4][1].shape;
+  jet.kind = PatchShape::Kind::kRectangle, jet.value = {0.018, 0.022, 0, 0.001};
+  s.fluid.side[4][1].name = "jet";
+  EXPECT_NEAR(carried_share(s, grid, n, bed), 0.3, 1e-9);
+  // No inlet, or no gravity: not known.
+  n.U_bed = 0;
+  EXPECT_LT(carried_share(s, grid, n, bed), 0);
+  n.U_bed = 1, n.Umf = 0;
+  EXPECT_LT(carried_share(s, grid, n, bed), 0);
+}
+
+TEST(PlannedBed, Contacts) {
+  EXPECT_DOUBLE_EQ(planned_contacts(0, 0.1, 0, 1), kSettledContacts);
+  EXPECT_DOUBLE_EQ(planned_contacts(1, 0.1, 0, 1), kCarriedContacts);
+  EXPECT_DOUBLE_EQ(planned_contacts(0, 2.9, 0, 1), 2.9);  // it lies there
+  EXPECT_DOUBLE_EQ(planned_contacts(-1, 0.1, 0, 1), kSettledContacts);
+  EXPECT_DOUBLE_EQ(planned_contacts(-1, 0.1, 5, 1), kSettledContacts / 3);  // all in the air
+  EXPECT_NEAR(planned_contacts(-1, 0.1, 0.5, 1), kSettledContacts * 2 / 3, 1e-12);
+  EXPECT_DOUBLE_EQ(planned_contacts(-1, 0.1, -3, 1), kSettledContacts);
 }
 
 TEST(PlanTable, TellsTimeMemoryFilesAndTheDearestRun) {

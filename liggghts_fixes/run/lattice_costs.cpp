@@ -1,0 +1,109 @@
+#include "liggghts_fixes/run/lattice_costs.h"
+
+#include <atom.h>
+#include <comm.h>
+#include <force.h>
+#include <lammps.h>
+#include <mpi.h>
+#include <neigh_list.h>
+#include <pair.h>
+#include <update.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "coupling/control/stopwatch.h"
+#include "liggghts_fixes/script/words.h"
+#include "liggghts_fixes/style_registry.h"
+
+namespace twogrid {
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+std::string line_of(const Command& c) {
+  std::string line;
+  for (const std::string& w : c)
+    line += (line.empty() ? "" : " ") + (w.find(' ') == std::string::npos && !w.empty() ? w : "\"" + w + "\"");
+  return line;
+}
+
+bool is_law(const Command& c) {
+  static const std::set<std::string> kNames{"units",       "atom_style",     "newton",
+                                            "communicate", "soft_particles", "hard_particles",
+                                            "pair_style",  "pair_coeff",     "timestep"};
+  return kNames.count(c[0]) > 0 || (c[0] == "fix" && c.size() > 3 && c[3].rfind("property/global", 0) == 0);
+}
+
+bool before_box(const Command& c) {
+  return c[0] == "units" || c[0] == "atom_style" || c[0] == "newton" || c[0] == "communicate";
+}
+
+/// CPU s of a particle's step in a lattice of this spacing.
+double lattice_step(LAMMPS& lammps, const std::vector<Command>& commands, const PlannedSpheres& s, double spacing,
+                    const std::function<void(const std::string&)>& execute) {
+  const int side = int(std::lround(12 * std::cbrt(double(lammps.comm->nprocs))));
+  const std::string length = text(side * spacing);
+  execute("clear");
+  for (const Command& c : commands)
+    if (before_box(c)) execute(line_of(c));
+  for (const std::string& line : {std::string("boundary p p p"), std::string("processors * * *"),
+                                  "region plan_box block 0 " + length + " 0 " + length + " 0 " + length + " units box",
+                                  "create_box " + std::to_string(s.types) + " plan_box",
+                                  "neighbor " + text(s.skin) + " bin", std::string("neigh_modify delay 0")})
+    execute(line);
+  for (const Command& c : commands)
+    if (is_law(c) && !before_box(c)) execute(line_of(c));
+  for (const std::string& line : {"lattice sc " + text(spacing), std::string("create_atoms 1 box"),
+                                  "set group all diameter " + text(s.diameter) + " density " + text(s.density),
+                                  std::string("fix plan_motion all nve/sphere"),
+                                  std::string("thermo_style custom step"), std::string("thermo 1000000")})
+    execute(line);
+  double least = std::numeric_limits<double>::infinity(), begin = 0;
+  constexpr int kSteps = 30;
+  for (int i = 0; i < 5; ++i) {
+    stock_run(lammps, "run",
+              i == 0 ? Command{std::to_string(kSteps)} : Command{std::to_string(kSteps), "pre", "no", "post", "no"});
+    const double end = cpu_seconds();
+    if (i > 0) least = std::min(least, end - begin);
+    begin = end;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MAX, lammps.world);
+  return least / kSteps * lammps.comm->nprocs / (double(side) * side * side);
+}
+
+}  // namespace
+
+LatticeCosts lattice_costs(LAMMPS& lammps, const std::vector<Command>& commands, const PlannedSpheres& spheres,
+                           const std::function<void(const std::string&)>& execute) {
+  if (!(spheres.diameter > 0 && spheres.density > 0 && spheres.skin > 0)) return {};
+  if (std::none_of(commands.begin(), commands.end(),
+                   [](const Command& c) { return c[0] == "pair_style" && c.size() > 1 && c[1] == "gran"; }))
+    return {};
+  const double touching = lattice_step(lammps, commands, spheres, spheres.diameter * (1 - 5e-4), execute);
+  const double apart = lattice_step(lammps, commands, spheres, spheres.diameter + 0.5 * spheres.skin, execute);
+  return {apart, std::max(0.0, touching - apart) / 3};
+}
+
+double count_contacts(LAMMPS& lammps) {
+  double count = 0;
+  const Atom& atom = *lammps.atom;
+  const NeighList* list = lammps.force->pair ? lammps.force->pair->list : nullptr;
+  if (!list || !atom.radius) return count;
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    for (int jj = 0; jj < list->numneigh[i]; ++jj) {
+      const int j = list->firstneigh[i][jj] & NEIGHMASK;
+      double r2 = 0;
+      for (int d = 0; d < 3; ++d) r2 += (atom.x[i][d] - atom.x[j][d]) * (atom.x[i][d] - atom.x[j][d]);
+      const double reach = atom.radius[i] + atom.radius[j];
+      count += r2 < reach * reach;
+    }
+  }
+  return count;
+}
+
+}  // namespace twogrid
