@@ -24,7 +24,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 WANTED = 1e-3
-COLUMNS = "case mode check fillings failed least most mean scatter distance largest rate any".split()
+COLUMNS = "case mode check fillings failed least most mean scatter distance largest rate any program date".split()
 
 
 def primes(first, count):
@@ -154,6 +154,7 @@ def main():
         sys.exit(f"false_alarms.py: {script} has no 'variable seed index PRIME' for its filling")
     out = os.path.abspath(o["out"] or os.path.join(case, "out", "false_alarms" + o["mode"].replace("--", "_") + "".join("_" + w.replace("/", "_") for w in o["var"] if w != "-var")))
     run, runs, ended = [os.path.join(HERE, "run"), case, *([o["mode"]] if o["mode"] else [])], [], True
+    made = {"program": set(), "date": set()}
     for seed in primes(int(default.group(1)), o["fillings"]):
         folder = os.path.join(out, f"seed_{seed}")
         os.makedirs(folder, exist_ok=True)
@@ -172,6 +173,9 @@ def main():
             continue
         with open(checks) as f:
             runs.append(json.load(f))
+        with open(os.path.join(folder, "status.json")) as f:
+            status = json.load(f)
+        made["program"].add(status["program"]), made["date"].add(status["date"][:10])
     if len(runs) < 3:
         sys.exit(f"{len(runs)} fillings in {out}: too few")
     rows = gather(runs)
@@ -191,7 +195,7 @@ def main():
         with open(path, "w", newline="") as f:
             table = csv.DictWriter(f, COLUMNS, restval="", lineterminator="\n")
             table.writeheader()
-            table.writerows(sorted(old + [{"case": name, "mode": mode, **{k: shown(v) for k, v in row.items()}} for row in rows], key=lambda r: (r["case"], r["mode"])))
+            table.writerows(sorted(old + [{"case": name, "mode": mode, **{k: shown(v) for k, v in row.items()}, **{k: " ".join(sorted(v)) for k, v in made.items()}} for row in rows], key=lambda r: (r["case"], r["mode"])))
         print(path)
     sys.exit(0 if ended and not failed and max(rates) < WANTED else 1)
 

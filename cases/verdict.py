@@ -112,6 +112,14 @@ def batch_error(series, count=8):
     return np.std(means, ddof=1) / np.sqrt(len(means))
 
 
+def jackknife(f, weight):
+    """f(weights of batches) and its standard error, from leaving out one batch after the other. f may give an array, also with what is no number."""
+    whole, b = np.asarray(f(weight)), len(weight)
+    without = np.array([f(np.where(np.arange(b) == i, 0.0, weight)) for i in range(b)])
+    with np.errstate(invalid="ignore"):  # infinities
+        return whole, np.sqrt((b - 1) / b * ((without - without.mean(axis=0)) ** 2).sum(axis=0))
+
+
 def correlated_mean(series):
     """Mean of a series, its standard error and the number of independent values that it stands for: by the integrated time of
     correlation, summed up to five times itself (Sokal 1997)."""

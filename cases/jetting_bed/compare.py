@@ -14,10 +14,11 @@ import numpy as np
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import drag_check  # noqa: E402
 import plot_fields  # noqa: E402
-from verdict import G, Bed, Verdict, batch_error, command_line, ledgers, momentum, save, usual_pictures  # noqa: E402
+from verdict import G, Bed, Verdict, batch_error, command_line, jackknife, ledgers, momentum, save, student, usual_pictures  # noqa: E402
 
 # As in.jetting_bed has it.
 D_P, RHO_P, DEM_STEP = 0.75e-3, 2500.0, 1.25e-5
+ALARMS = 1e-3  # rate of false alarms of the check of the jets' length
 
 
 class Jets(Bed):
@@ -55,24 +56,29 @@ def height_of_void(axis, height):
 
 
 def penetration(bed, verdict, short):
-    """Height above the nozzle up to which the mean void fraction on a jet's axis stays above 0.7, midway between the
-    packed bed and the empty jet."""
+    """Height above the nozzle up to which the mean void fraction on a jet's axis stays above 0.7, midway between the packed bed and the empty jet.
+    Its error is that of the batches of the means."""
     x, _, z = plot_fields.nodes(bed.file, "particle_grid")
-    eps = bed.file["average/particle_grid/eps"][:].mean(axis=1)
     height = plot_fields.centres(z)
-    lengths = []
-    for first, last in bed.jets:
-        over = (x[1:] > bed.x[first] + 1e-6) & (x[:-1] < bed.x[last] - 1e-6)  # the columns of cells above it
-        lengths.append(height_of_void(eps[:, over].mean(axis=1), height))
+    over = [(x[1:] > bed.x[first] + 1e-6) & (x[:-1] < bed.x[last] - 1e-6) for first, last in bed.jets]  # the columns of cells above each
+    lengths_of = lambda eps: np.array([height_of_void(eps[:, columns].mean(axis=1), height) for columns in over])
+    lengths = lengths_of(bed.file["average/particle_grid/eps"][:].mean(axis=1))
     L = np.mean(lengths)
+    weight, batch = plot_fields.batches(bed.file)
+    eps = batch("eps").mean(axis=2)
+    error = float(jackknife(lambda w: lengths_of(np.average(eps, axis=0, weights=w)).mean(), weight)[1]) if len(weight) > 2 else np.nan
+    by_chance = student(len(weight) - 1, ALARMS) * error if np.isfinite(error) else 0.0
     d0 = np.sqrt(4 / np.pi * bed.jet_width * np.ptp(bed.y))  # circle of the slot's area
     froude = bed.U**2 / (G * d0)
     yang_keairns = 6.5 * d0 * np.sqrt(bed.rho_f / (RHO_P - bed.rho_f) * froude)
     merry = 5.2 * d0 * (bed.rho_f * d0 / (RHO_P * D_P))**0.3 * (1.3 * froude**0.2 - 1)
     lo, hi = 0.6 * min(merry, yang_keairns), 1.4 * max(merry, yang_keairns)
     each = ", ".join(f"{1e3 * l:.1f}" if np.isfinite(l) else "through the bed" for l in lengths)
-    verdict.between(lo, L, hi, f"jets reach {each} mm; Yang & Keairns (1978) {1e3 * yang_keairns:.1f} mm, Merry (1975) "
-            f"{1e3 * merry:.1f} mm, with 40 % of scatter {1e3 * lo:.1f} to {1e3 * hi:.1f} mm", short)
+    enough, alone = by_chance <= 0.5 * (hi - lo), len(bed.jets) == 1
+    verdict.between(lo - by_chance, L, hi + by_chance, f"jets reach {each} mm, the mean +- {1e3 * error:.1f}; Yang & Keairns (1978) {1e3 * yang_keairns:.1f} mm, Merry (1975) "
+                    f"{1e3 * merry:.1f} mm, with 40 % of scatter {1e3 * lo:.1f} to {1e3 * hi:.1f} mm (wanted: not outside by more than {1e3 * by_chance:.1f} mm, which chance exceeds once in {1 / ALARMS:.0f} runs)" +
+                    ("; no verdict, for neighbours bend towards each other and merge, and the correlations are of one jet" if not alone else "" if enough else "; the run is too short for a verdict"),
+                    short or not enough or not alone)
     return L
 
 

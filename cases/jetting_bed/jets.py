@@ -25,7 +25,7 @@ sys.path.insert(0, os.path.join(HERE, ".."))
 import leg_tables  # noqa: E402
 import plot_fields  # noqa: E402
 from compare import D_P, DEM_STEP, RHO_P, height_of_void  # noqa: E402
-from verdict import G, batch_error  # noqa: E402
+from verdict import G, batch_error, jackknife  # noqa: E402
 
 KINDS = {"two": ("two grids", "-var grids two"), "coarse": ("single grid of the particle cells", "-var grids coarse"),
          "fine": ("single grid of the fluid's cells", "-var grids fine"),
@@ -51,14 +51,6 @@ def folder_of(out, n, U, kind):
 
 
 # ---- one run -----------------------------------------------------------------------------------------------------------
-
-def jackknife(f, weight):
-    """f(weights of batches) and its standard error, from leaving out one batch after the other. f may give an array, also with nan."""
-    whole, b = np.asarray(f(weight)), len(weight)
-    without = np.array([f(np.where(np.arange(b) == i, 0.0, weight)) for i in range(b)])
-    with np.errstate(invalid="ignore"):  # infinite: a jet that reaches through the bed
-        return whole, np.sqrt((b - 1) / b * ((without - without.mean(axis=0)) ** 2).sum(axis=0))
-
 
 class Jets:
     """Means of a run on cells of 2.4 x 3 mm, whatever its grids are."""
@@ -95,20 +87,27 @@ class Jets:
     def mean(self, field, weight=None):
         return np.average(field, axis=0, weights=self.weight if weight is None else weight)
 
+    def ridges(self, weight):
+        """Of each jet, by height: the largest mean void fraction within half of the jets' distance from its axis, for jets bend. Its own half of the way to a neighbour."""
+        eps, reach = self.mean(self.eps, weight), int(0.5 * APART / CELL[0])
+        return [eps[:, max(c - reach, 0):c + reach + 1].max(axis=1) for c in self.columns]
+
     def lengths(self, weight):
-        eps, height = self.mean(self.eps, weight), plot_fields.centres(self.z)
-        each = [height_of_void(eps[:, c], height) for c in self.columns]
+        height = plot_fields.centres(self.z)
+        each = [height_of_void(r, height) for r in self.ridges(weight)]
         return np.array(each + [np.mean(each)])
 
     def merging(self, weight):
-        """Mean over neighbouring jets of the height at which the bridge between them, the least void fraction between their axes below the lower of
-        the two on the axes, has half of its depth in the lowest layer."""
-        eps, height = self.mean(self.eps, weight), plot_fields.centres(self.z)
+        """Mean over neighbouring jets of the height at which the bridge of grains between them has half of its depth in the lowest layer: the void fraction in the
+        middle between the axes, below the smaller of the two jets' ridges."""
+        eps, height, ridges = self.mean(self.eps, weight), plot_fields.centres(self.z), self.ridges(weight)
         found = []
-        for a, b in zip(self.columns, self.columns[1:]):
-            bridge = np.minimum(eps[:, a], eps[:, b]) - eps[:, a:b + 1].min(axis=1)
-            k = int(np.argmax(bridge < 0.5 * bridge[0]))
-            found.append(np.interp(-0.5 * bridge[0], -bridge[k - 1:k + 1], height[k - 1:k + 1]))
+        for i, (a, b) in enumerate(zip(self.columns, self.columns[1:])):
+            middle = eps[:, [(a + b) // 2, (a + b + 1) // 2]].mean(axis=1)
+            bridge = np.minimum(ridges[i], ridges[i + 1]) - middle
+            low = bridge < 0.5 * bridge[0]
+            k = int(np.argmax(low))
+            found.append(np.interp(-0.5 * bridge[0], -bridge[k - 1:k + 1], height[k - 1:k + 1]) if low.any() else np.inf)
         return np.mean(found)
 
     def mean_height(self, weight):
@@ -179,7 +178,8 @@ def machine():
 
 
 def number(value, digits=4):
-    return "" if value is None or not np.isfinite(value) else f"{value:.{digits}g}"
+    """inf: a jet that reaches through the bed, or a bridge between two that reaches up to its surface."""
+    return "" if np.isnan(value) else f"{value:.{digits}g}"
 
 
 def write_tables(runs, out, words):
@@ -224,7 +224,7 @@ def write_tables(runs, out, words):
 def tell(rows):
     """The table for people."""
     print(f"{'jets':>4} {'U':>3} {'grids':16} {'length / mm':>14} {'merging / mm':>14} {'gas on axis':>13} {'drop/weight':>15} {'eps apart (chance), p':>25} {'v_s apart (chance), p':>25}")
-    pm = lambda row, name: f"{row[name]} +- {row[name + '_error']}" if row[name] else "-"  # none, or through the bed
+    pm = lambda row, name: "-" if not row[name] else "through" if row[name] == "inf" else f"{row[name]} +- {row[name + '_error']}"
     for row in rows:
         far = [f"{row[q + '_apart']} ({row[q + '_apart_by_chance']}), {row[q + '_probability']}" if row.get(q + "_apart") else "-" for q in ("void_fraction", "solids_velocity_m_s")]
         print(f"{row['jets']:>4} {row['U_m_s']:>3} {row['grids']:16} {pm(row, 'length_mm'):>14} {pm(row, 'merging_mm'):>14} {pm(row, 'gas_flux_on_axis_m_s'):>13} "
@@ -273,10 +273,10 @@ def what_is_lost(runs, n, U, path, top=36e-3):
             ax.set_xlim(0, 1e3 * run.x[-1])
     panels[2][0].set_ylabel("void fraction")
     panels[3][0].set_ylabel("solids' velocity upwards / (m/s)")
-    for row in panels[2:]:
+    for row, room in zip(panels[2:], (0.3, 0.0)):  # for the legend
         low, high = min(ax.get_ylim()[0] for ax in row), max(ax.get_ylim()[1] for ax in row)
         for ax in row:
-            ax.set_ylim(low, high)
+            ax.set_ylim(low, high + room * (high - low))
     panels[2][0].legend(loc="upper left", fontsize=8)
     first = chosen[0]
     figure.suptitle(f"{n} jet{'s' if n > 1 else ''} of 1.6 mm at {U:g} m/s (arrows), means over {first.span:.2f} s; white: length of the jets; bands: two standard errors", fontsize=10)
