@@ -16,6 +16,19 @@ title=$name what= against= time_short= time_run= time_long= memory= most=8 first
 prepare() { :; }
 finish() { "$case"/compare.py "$out" "$@"; }
 . "$case"/case.sh
+. "$cases"/program.sh
+
+# Folder of a case's results: $TWOGRID_OUT/NAME; without it out beside the case, or out/NAME where one stands if the case is
+# one of an installation's, which all users share, or in a folder that may not be written.
+results_folder() {
+  if [ -n "${TWOGRID_OUT:-}" ]; then
+    echo "$TWOGRID_OUT/$name"
+  elif [ -w "$case" ] && { [ -z "$installed" ] || [ "${case#"$cases"/}" = "$case" ]; }; then
+    echo "$case/out"
+  else
+    echo "$PWD/out/$name"
+  fi
+}
 
 # What stands first holds, of several -var of one name: the user's words come before these.
 ranks_words() {  # RANKS

@@ -4,29 +4,29 @@
     cases/gallery.py [--run short|run|long] [--out FILE.html] [FOLDER ...]
 
 FOLDER: cases of your own elsewhere. --run: runs every case first, in that mode, with all that cases/run does; without it the page shows of each case the last run
-that came to its end, the longest mode first (cases/NAME/out/run_long, run, job_..., run_short). FILE: cases/out/gallery.html without --out. The page has its
-pictures in it; links to the reports lead to where they lie.
+that came to its end, the longest mode first (run_long, run, job_..., run_short where cases/run puts them). FILE: cases/out/gallery.html without --out, ./out/gallery.html
+if twogrid is installed. The page has its pictures in it; links to the reports lead to where they lie.
 """
 import argparse
 import os
 import subprocess
 import sys
 
-CASES = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, CASES)
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from installed import CASES, INSTALLED  # noqa: E402
 from report_tools import movie, page, sections  # noqa: E402
 from report_tools.run_folder import RunFolder  # noqa: E402
 
 
 def facts(folder):
-    """title, what, against, time and memory of a case.sh."""
-    line = 'cases=$1 case=$2; . "$cases"/case_words.sh; printf "%s\\n" "$title" "$what" "$against" "$time_run" "$memory"'
+    """title, what, against, time and memory of a case.sh, and the folder of its results."""
+    line = 'cases=$1 case=$2; . "$cases"/case_words.sh; printf "%s\\n" "$title" "$what" "$against" "$time_run" "$memory" "$(results_folder)"'
     return subprocess.run(["sh", "-c", line, "sh", CASES, os.path.abspath(folder)], stdout=subprocess.PIPE, text=True, check=True).stdout.split("\n")
 
 
-def best_run(case):
+def best_run(out):
     """Of the runs that came to their end: the longest mode, then the newest; None."""
-    rank, out = {"run_long": 3, "run": 2, "run_short": 0}, os.path.join(case, "out")
+    rank = {"run_long": 3, "run": 2, "run_short": 0}
     runs = []
     for name in os.listdir(out) if os.path.isdir(out) else []:
         run = RunFolder(os.path.join(out, name))
@@ -36,9 +36,9 @@ def best_run(case):
 
 
 def card(case, base):
-    title, what, against, time, memory = facts(case)[:5]
+    title, what, against, time, memory, out = facts(case)[:6]
     text = f"<p>{page.escape(what[:1].upper() + what[1:])}. Compared with: {page.escape(against)}.</p>"
-    run = best_run(case)
+    run = best_run(out)
     if run is None:
         return title, text + page.missing(f"Not run here: cases/run {os.path.basename(case)}, some {time} of one core, {memory}.")
     status, good, bad = run.status, run.verdict.count("PASS  "), run.verdict.count("FAIL  ")
@@ -61,7 +61,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folders", nargs="*")
     parser.add_argument("--run", choices=("short", "run", "long"))
-    parser.add_argument("--out", default=os.path.join(CASES, "out", "gallery.html"))
+    parser.add_argument("--out", default=os.path.join("." if INSTALLED else CASES, "out", "gallery.html"))
     o = parser.parse_args()
     cases = sorted(os.path.join(CASES, n) for n in os.listdir(CASES) if os.path.exists(os.path.join(CASES, n, "case.sh"))) + [os.path.abspath(f) for f in o.folders]
     for case in cases:

@@ -3,6 +3,12 @@
 # Words after the command are further packages.
 set -eu
 
+# Where libraries are modules or come from source (cmake --preset cluster) there is nothing to install.
+! grep -q '^TWOGRID_OWN_LIBRARIES:[A-Z]*=ON' "$(dirname "$0")/../build/CMakeCache.txt" 2>/dev/null || exit 0
+command -v dpkg-query >/dev/null || {
+  echo "setup: this is no Debian; cases/batch/clusters.md tells how to build with libraries of your own (cmake --preset cluster)" >&2
+  exit 1
+}
 packages="g++ cmake ninja-build pkg-config git
   libliggghts-dev libpetsc-real-dev openmpi-bin libopenmpi-dev libhdf5-openmpi-dev libeigen3-dev libgtest-dev libbenchmark-dev
   python3 python3-numpy python3-h5py python3-matplotlib $*"

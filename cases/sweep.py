@@ -39,8 +39,10 @@ import fnmatch
 import os
 import re
 import signal
+import subprocess
 import sys
 
+from installed import INSTALLED
 from sweep_tools.errors import rows_of
 from sweep_tools.keywords import CASES, Wrong, key_of, number
 from sweep_tools.picture import draw
@@ -85,10 +87,19 @@ def study_from_script(options):
 
 
 def find_executable(given):
-    for path in [given] if given else [os.environ.get("TWOGRID"), os.path.join(CASES, "..", "build", "twogrid")]:
-        if path and os.access(path, os.X_OK) and os.path.isfile(path):
-            return os.path.abspath(path)
-    raise Wrong(f"the executable {given or 'build/twogrid'} is not there: build it (cases/build.sh) or give --executable PATH")
+    environment = {**os.environ, "TWOGRID": given} if given else None
+    found = subprocess.run(["sh", "-c", 'cases=$1; . "$cases"/program.sh; find_program && echo "$program"', "sh", CASES], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                           text=True, env=environment)
+    if found.returncode:
+        raise Wrong(f"{found.stderr.strip()}; --executable PATH does, too")
+    return found.stdout.strip()
+
+
+def results_folder(study, out):
+    """--out; else the study's own folder, or ./out/studies/NAME for a study of an installation, which all users share."""
+    if out or not INSTALLED or not os.path.realpath(study.folder).startswith(os.path.realpath(CASES) + os.sep):
+        return out or study.folder
+    return os.path.join("out", "studies", os.path.basename(os.path.abspath(study.folder)))
 
 
 def parse():
@@ -98,11 +109,11 @@ def parse():
     parser.add_argument("--fixed", action="append", default=[], metavar="KEY=V", help="what to set in all runs (script only)")
     parser.add_argument("--value", action="append", default=[], metavar="NAME=V", help="for {expressions}, such as d=1e-3")
     parser.add_argument("--reference", metavar="R", help="finest, or KEY=VALUE,...: the run the others are compared with")
-    parser.add_argument("--executable", help="default: $TWOGRID, or build/twogrid")
+    parser.add_argument("--executable", help="default: $TWOGRID, the installed program, or build/twogrid")
     parser.add_argument("--ranks", type=int)
     parser.add_argument("--timeout", type=float, default=3600, help="s a run (script only)")
     parser.add_argument("-j", type=int, default=0, metavar="N", help="cores to use; default: those that are free")
-    parser.add_argument("--out", help="folder of table, picture and text; default: the study's, or sweep/ beside the script")
+    parser.add_argument("--out", help="folder of table, picture and text; default: the study's (./out/studies/NAME if installed), or sweep/ beside the script")
     parser.add_argument("--short", action="store_true", help="the few runs of [short], compared with table.csv; writes nothing else")
     parser.add_argument("--count", action="store_true", help="say how many runs there are, and make none")
     parser.add_argument("--index", type=int, metavar="I", help="make run number I only (1, 2, ...), for job arrays; no table is written")
@@ -125,7 +136,7 @@ def main():
         print(len(jobs))
         return 0
     executable = find_executable(options.executable)
-    results = options.out or study.folder
+    results = results_folder(study, options.out)
     os.makedirs(results, exist_ok=True)
     if options.short:
         patterns = study.short.get("runs") or []

@@ -3,7 +3,8 @@
 # set_up JOB RANKS CASE [--done COMMAND] SCRIPT [--short|--long] [words ...]: sets folder, script, words; has the case prepare its folder.
 set_up() {
   local ranks=$2 word
-  case=$3 folder=$3/out/job_$1 finish= mode=
+  local job=job_$1
+  case=$3 folder=$3/out/$job finish= mode=
   shift 3
   if [ "$1" = --done ]; then
     finish=$2
@@ -17,6 +18,7 @@ set_up() {
   done
   [ -f "$case/case.sh" ] || return 0
   case=$(cd "$case" && pwd) cases=$(cd "$here/.." && pwd)
+  folder=$(. "$cases"/case_words.sh && results_folder)/$job
   local more
   more=$(. "$cases"/case_words.sh && mode_words "$mode" && ranks_words "$ranks") || exit 2
   words+=($more)

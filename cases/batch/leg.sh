@@ -10,7 +10,7 @@
 #   75  ended by a signal (the limit, preemption, -t): the next leg goes on
 #   1   an error, told in FOLDER/log.liggghts and status.json; or two legs without a new checkpoint, which no third one would change
 # SIGUSR1, SIGTERM and SIGINT end the leg: twogrid finishes its step, writes a checkpoint and ends with 128 + signal.
-# $TWOGRID: the program (build/twogrid); $TWOGRID_LAUNCHER: what starts ranks, see ../mpirun.sh.
+# $TWOGRID: the program, see ../program.sh; $TWOGRID_LAUNCHER: what starts ranks, see ../mpirun.sh.
 set -u
 cases=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 ranks=${SLURM_NTASKS:-${PBS_NP:-${NCPUS:-1}}} seconds=
@@ -28,7 +28,8 @@ shift $((OPTIND - 1))
 [ $# -ge 2 ] || { sed -n '2,17s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
 folder=$1 script=$2
 shift 2
-program=$(realpath "${TWOGRID:-$cases/../build/twogrid}") || exit 1
+. "$cases"/program.sh
+find_program || exit 1
 name=$(basename "$script")
 mkdir -p "$folder" && { [ -f "$folder/$name" ] || cp "$script" "$folder/$name"; } && cd "$folder" || exit 1
 

@@ -1,7 +1,7 @@
 #!/bin/bash
 # The body of every submit.slurm: one leg; when it was ended by a signal, the job is put back into the queue and goes on.
 #   slurm.sh CASE [--done COMMAND] SCRIPT [--short|--long] [words ...]
-#   CASE: the folder of the case. Results: CASE/out/job_ID (in an array job_ID_INDEX). COMMAND FOLDER: what follows when the script is done;
+#   CASE: the folder of the case. Results: CASE/out/job_ID (in an array job_ID_INDEX; out: as for ../run). COMMAND FOLDER: what follows when the script is done;
 #   without it a folder with a case.sh is compared, drawn and reported as by ../run, and started on the job's ranks as by it.
 set -u
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

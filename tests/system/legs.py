@@ -147,7 +147,7 @@ def scripts(c, executable, work):
         name = os.path.basename(case)
         copy = os.path.join(work, "cases", name)
         shutil.copytree(case, copy, ignore=shutil.ignore_patterns("out", "reference", "results"))
-        for tool in ("batch", "case_words.sh", "mpirun.sh", "revolve.py"):
+        for tool in ("batch", "case_words.sh", "program.sh", "mpirun.sh", "revolve.py"):
             if not os.path.exists(os.path.join(work, "cases", tool)):
                 os.symlink(os.path.join(TOP, "cases", tool), os.path.join(work, "cases", tool))
         with open(os.path.join(work, "cases", "run"), "w") as f:  # what compares in the end: nothing has run
