@@ -5,6 +5,7 @@
 #include <fix.h>
 #include <lammps.h>
 #include <modify.h>
+#include <universe.h>
 #include <update.h>
 
 #include <cstring>
@@ -30,6 +31,10 @@ void refuse_unsupported(LAMMPS& lammps, const std::string& id, const std::string
   check_box_boundary(domain->boundary);
   if (!atom->radius_flag || !atom->rmass_flag)
     refuse("atom_style", "one without radius and mass", "atom_style granular (or sphere)");
+  if (atom->superquadric_flag)
+    refuse("atom_style", "superquadric", "atom_style granular (or sphere): drag on other shapes is not modelled");
+  if (std::string(lammps.universe->version).find(" 3.8") == std::string::npos)
+    refuse("LIGGGHTS", lammps.universe->version, "a twogrid that is linked with LIGGGHTS-PUBLIC 3.8");
   for (int f = 0; f < modify->nfix; ++f) {
     if (!modify->fix[f]) continue;  // the place of this very fix, when it replaces one of its id
     const std::string other = modify->fix[f]->style;
