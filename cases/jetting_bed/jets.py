@@ -43,7 +43,7 @@ def beds(short):
     if short:
         return [(1, 6.0, kind) for kind in KINDS]
     main = [(n, U, kind) for n in (1, 2, 3) for U in (6.0, 9.0) for kind in ("two", "coarse", "fine")]
-    return main + [(1, U, kind) for U in (6.0, 9.0) for kind in ("two_jets", "coarse_velocity", "fine_exact")]
+    return main + [(1, U, kind) for U in (6.0, 9.0) for kind in ("two_jets", "coarse_velocity", "fine_exact")] + [(2, 9.0, "coarse_velocity")]
 
 
 def folder_of(out, n, U, kind):
@@ -246,8 +246,9 @@ def what_is_lost(runs, n, U, path, top=36e-3):
     chosen = [next((r for r in runs if (r.n, r.U, r.kind) == (n, U, kind)), None) for kind in ("two", "coarse", "fine")]
     if any(r is None for r in chosen):
         return False
-    figure = plt.figure(figsize=(10.5, 11.5), layout="constrained")
-    panels = figure.subplots(4, 3, gridspec_kw={"height_ratios": [1.0, 1.0, 0.9, 0.9]})
+    map_height = min(3.0, 3.0 * top / chosen[0].x[-1]) + 0.5  # inches, true to scale
+    figure = plt.figure(figsize=(10.5, 5.8 + 2 * map_height), layout="constrained")
+    panels = figure.subplots(4, 3, gridspec_kw={"height_ratios": [map_height, map_height, 2.6, 2.6]})
     for column, run in enumerate(chosen):
         void = map_of(panels[0][column], run.edges, run.map_eps, run, vmin=0.4, vmax=1)
         gas = map_of(panels[1][column], run.fine, run.map_gas, run, vmin=0, vmax=U, cmap="magma")
@@ -291,11 +292,13 @@ def all_beds(runs, path, top=42e-3):
     chosen = sorted((r for r in runs if r.kind == "two"), key=lambda r: (r.U, r.n))
     if not chosen:
         return False
-    figure, panels = plt.subplots(2, 3, figsize=(11, 6.2), layout="constrained", sharey=True, gridspec_kw={"width_ratios": [1, 2, 3]})
+    velocities, most = sorted({r.U for r in chosen}), max(r.n for r in chosen)
+    figure, panels = plt.subplots(len(velocities), most, figsize=(2.2 + 1.5 * most * (most + 1) / 2, 0.6 + 2.8 * len(velocities)), layout="constrained", sharey=True, squeeze=False,
+                                  gridspec_kw={"width_ratios": range(1, most + 1)})
     for ax in panels.ravel():
         ax.set_visible(False)
     for run in chosen:
-        ax = panels[sorted({r.U for r in chosen}).index(run.U)][run.n - 1]
+        ax = panels[velocities.index(run.U)][run.n - 1]
         ax.set_visible(True)
         picture = map_of(ax, run.edges, run.map_eps, run, vmin=0.4, vmax=1)
         ax.set_ylim(0, 1e3 * top)
@@ -309,7 +312,7 @@ def all_beds(runs, path, top=42e-3):
     for row in panels:
         row[0].set_ylabel("z / mm")
     figure.colorbar(picture, ax=panels, label="mean void fraction", shrink=0.7)
-    figure.suptitle("Two grids: mean void fraction, mean flux of the solids (arrows), mean length of the jets (dashed)", fontsize=10)
+    figure.suptitle("Two grids: mean void fraction, flux of the solids (arrows), length of the jets (dashed)", fontsize=9)
     figure.savefig(path, dpi=100)
     plt.close(figure)
     return True
