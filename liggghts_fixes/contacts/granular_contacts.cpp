@@ -10,6 +10,8 @@
 #include <pair_gran.h>
 #include <pair_gran_proxy.h>
 
+#include <cstdint>
+#include <map>
 #include <memory>
 
 #include "liggghts_fixes/contacts/contact_laws.h"
