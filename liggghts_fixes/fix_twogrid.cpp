@@ -18,6 +18,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "cfd/parallel/rank_0.h"
 #include "liggghts_fixes/contacts/pair_switch.h"
 #include "liggghts_fixes/liggghts/box.h"
 #include "liggghts_fixes/liggghts/particle_columns.h"
@@ -126,6 +127,8 @@ int FixTwogrid::modify_param(int narg, char** arg) {
     if (!script_.settings.output.file.empty()) check(script_.settings.output);
     kept_ = kept_ || !script_.checkpoint_write.empty() || !script_.checkpoint_read.empty();
     if (!script_.checkpoint_write.empty()) keep_checkpoint();
+    if (files_are_still() && !script_.checkpoint_read.empty())
+      script_.checkpoint_read = from_rank(world, 0, still_path_to_read(script_.checkpoint_read));
   });
   return narg;
 }

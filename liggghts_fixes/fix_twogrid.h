@@ -120,6 +120,8 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   /// Share of the bed whose particles the fluid carries, 0 to 1; negative: not known, nothing blows. Collective.
   double carried_share();
   bool nothing_moves() const { return motion_.still; }
+  /// Step from which on a frame is due: none is written in a plan.
+  long long next_frame() { return schedule_.state().next_frame; }
   /// What a frame and the means take. Collective.
   PlannedOutput measure_output();
   /// So many DEM steps have been passed over.

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "cfd/parallel/rank_0.h"
 #include "liggghts_fixes/fix_twogrid.h"
 #include "liggghts_fixes/liggghts/box.h"
 #include "liggghts_fixes/liggghts/insertion_state.h"
@@ -14,6 +15,7 @@
 #include "liggghts_fixes/liggghts/restart_file.h"
 #include "liggghts_fixes/run/petsc_session.h"
 #include "liggghts_fixes/run/replay.h"
+#include "liggghts_fixes/run/still_files.h"
 #include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
@@ -107,11 +109,12 @@ Layout FixTwogrid::layout(const FineGrid& grid) const {
 /// fix_modify checkpoint write.
 void FixTwogrid::keep_checkpoint() {
   const std::string path = std::exchange(script_.checkpoint_write, "");
+  const auto agreed = [&](const std::string& of_rank_0) { return from_rank(world, 0, of_rank_0); };
   if (replaying()) return;
   refuse_without_state();
   sync_output();
   InsertionState insertion(*lmp);
-  twogrid::write_checkpoint(path, checkpoint_parts(&insertion), now(), beginning());
+  twogrid::write_checkpoint(agreed(still_path(path)), checkpoint_parts(&insertion), now(), beginning());
   watch_.say("twogrid: the fluid of step " + std::to_string(update->ntimestep) + " is in " + path + "\n");
 }
 

@@ -50,9 +50,10 @@ void FixTwogrid::open_planned_output(const SceneFacts&) {
   record.settings = settings_texts(script_);
   out.file = from_rank(world, 0, comm->me == 0 ? still_path(out.file) : "");
   out.overwrite = true;
-  out.keep_old = out.average_auto = false;
+  out.keep_old = false;
   out.until = 0;
   if (out.average_from > 0) out.average_from = 0;
+  if (script_.checkpoint_read.empty()) out.average_auto = false;
   output_ = std::make_unique<Output>(world, s, *fluid_, record);
 }
 

@@ -49,6 +49,19 @@ double cell_share(const PlannedRun& run, int ranks) {
   return (own + 0.5 * halo) / std::max(1.0, run.cells);
 }
 
+/// Of all particles, in the fullest of these bricks.
+double share_of(const PlannedParts& parts, const Int3& bricks) {
+  double share = 1;
+  for (int d = 0; d < 3; ++d) {
+    const double lo = std::clamp(parts.lo[d], 0.0, 1.0), hi = std::clamp(parts.hi[d], 0.0, 1.0);
+    double most = 0;
+    for (int i = 0; i < bricks[d]; ++i)
+      most = std::max(most, std::min(hi, double(i + 1) / bricks[d]) - std::max(lo, double(i) / bricks[d]));
+    share *= hi > lo ? most / (hi - lo) : 1.0;
+  }
+  return share;
+}
+
 int product(const Int3& b) {
   return b[0] * b[1] * b[2];
 }
@@ -75,7 +88,9 @@ Int3 planned_bricks(const PlannedParts& parts, int ranks) {
       for (int d = 0; d < 3; ++d) fits = fits && (!as_wanted || parts.wanted[d] == 0 || parts.wanted[d] == n[d]);
       if (!fits) continue;
       const auto& l = parts.length;
-      const double surface = l[0] * l[1] / n[0] / n[1] + l[1] * l[2] / n[1] / n[2] + l[0] * l[2] / n[0] / n[2];
+      double surface = l[0] * l[1] / n[0] / n[1] + l[1] * l[2] / n[1] / n[2] + l[0] * l[2] / n[0] / n[2];
+      // Who may choose takes bricks that all hold as much.
+      if (!as_wanted) surface *= share_of(parts, n);
       if (surface < least) least = surface, best = n;
     }
   return best;
@@ -83,15 +98,7 @@ Int3 planned_bricks(const PlannedParts& parts, int ranks) {
 
 double fullest_share(const PlannedParts& parts, int ranks) {
   constexpr double kTolerated = 1.1;  // where borders follow
-  const Int3 bricks = planned_bricks(parts, ranks);
-  double share = 1;
-  for (int d = 0; d < 3; ++d) {
-    const double lo = std::clamp(parts.lo[d], 0.0, 1.0), hi = std::clamp(parts.hi[d], 0.0, 1.0);
-    double most = 0;
-    for (int i = 0; i < bricks[d]; ++i)
-      most = std::max(most, std::min(hi, double(i + 1) / bricks[d]) - std::max(lo, double(i) / bricks[d]));
-    share *= hi > lo ? most / (hi - lo) : 1.0;
-  }
+  const double share = share_of(parts, planned_bricks(parts, ranks));
   return parts.follow ? std::min(share, kTolerated / ranks) : std::max(share, 1.0 / ranks);
 }
 

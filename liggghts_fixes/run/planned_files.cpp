@@ -15,7 +15,9 @@
 #include <set>
 #include <utility>
 
+#include "cfd/parallel/rank_0.h"
 #include "liggghts_fixes/fix_twogrid.h"
+#include "liggghts_fixes/run/checkpoint_folder.h"
 #include "liggghts_fixes/run/still_files.h"
 
 namespace twogrid {
@@ -90,6 +92,7 @@ void PlannedFiles::count(long long from, long long to, const std::vector<Command
   count_restarts(from, to, commands);
   count_tables(from, to, commands);
   count_log(from, to, commands);
+  count_checkpoints();
 }
 
 void PlannedFiles::count_frames(long long from, long long to) {
@@ -102,7 +105,9 @@ void PlannedFiles::count_frames(long long from, long long to) {
     Kind& k = kind(out.file, "frames" + std::string(out.average_from >= 0 ? ", and means" : ""));
     k.begin = cost.empty + cost.means, k.piece = cost.bytes;
     if (out.every <= 0) continue;
-    const double frames = multiples(from, to, out.every) + (next_frame_.try_emplace(out.file, 0).second ? 1 : 0);
+    // The fluid's first frame is of the run's beginning, unless it goes on from a checkpoint.
+    const bool is_first = next_frame_.try_emplace(out.file, 0).second && f->next_frame() <= from;
+    const double frames = multiples(from, to, out.every) + (is_first ? 1 : 0);
     k.pieces += frames;
     seconds_ += frames * cost.seconds;
   }
@@ -156,7 +161,36 @@ void PlannedFiles::count_tables(long long from, long long to, const std::vector<
   }
 }
 
-void PlannedFiles::count_log(long long, long long, const std::vector<Command>&) {}
+/// Those that the script asks for, as many as are kept; once it has been seen how large one is.
+void PlannedFiles::count_checkpoints() {
+  for (int i = 0; i < lammps_.modify->nfix; ++i) {
+    auto* f = dynamic_cast<FixTwogrid*>(lammps_.modify->fix[i]);
+    if (!f || !f->has_state() || !f->checkpoint_plan().by_itself()) continue;
+    const CheckpointPlan& plan = f->checkpoint_plan();
+    Kind& k = kind(plan.folder.empty() ? default_folder(script_) : plan.folder, "checkpoints at most");
+    if (k.piece > 0) continue;
+    const std::string name = std::string(f->id) + ".h5 of a checkpoint";
+    f->write_checkpoint(from_rank(lammps_.world, 0, still_path(name)));
+    k.piece = sum(still_bytes(name) + 8.0 * lammps_.atom->avec->size_restart(), lammps_.world);
+    k.pieces = plan.keep;
+    forget_still_file(name);
+  }
+}
+
+/// Thermo lines of some 14 characters a column.
+void PlannedFiles::count_log(long long from, long long to, const std::vector<Command>& commands) {
+  double columns = 5;
+  long long every = 0;
+  for (const Command& c : commands) {
+    if (c[0] == "thermo_style" && c.size() > 2 && c[1] == "custom") columns = double(c.size()) - 2;
+    if (c[0] == "thermo" && c.size() > 1) every = std::atoll(c[1].c_str());
+  }
+  Kind& k = kind("log.liggghts", "lines of thermo output");
+  k.begin = 8000;
+  const double lines = 2 + multiples(from, to, every);
+  k.piece = (k.pieces * k.piece + lines * 14 * columns) / (k.pieces + lines);
+  k.pieces += lines;
+}
 
 std::vector<PlannedFile> PlannedFiles::list() const {
   std::vector<PlannedFile> files;

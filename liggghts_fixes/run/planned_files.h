@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "liggghts_fixes/report/plan_table.h"
@@ -17,7 +18,8 @@ namespace twogrid {
 
 class PlannedFiles {
  public:
-  explicit PlannedFiles(LAMMPS_NS::LAMMPS& lammps) : lammps_(lammps) {}
+  /// script: its name, beside which checkpoints lie.
+  PlannedFiles(LAMMPS_NS::LAMMPS& lammps, std::string script) : lammps_(lammps), script_(std::move(script)) {}
 
   /// At the end of what was made of a run, before its last step: dumps write in it, so that their size is known.
   void ask_dumps();
@@ -41,9 +43,11 @@ class PlannedFiles {
   void count_dumps(long long from, long long to);
   void count_restarts(long long from, long long to, const std::vector<Command>& commands);
   void count_tables(long long from, long long to, const std::vector<Command>& commands);
+  void count_checkpoints();
   void count_log(long long from, long long to, const std::vector<Command>& commands);
 
   LAMMPS_NS::LAMMPS& lammps_;
+  std::string script_;
   std::map<std::string, Kind> kinds_;            // by the file's name
   std::map<std::string, double> before_;         // size of dumps' files before their last frame
   std::map<std::string, long long> next_frame_;  // of output files

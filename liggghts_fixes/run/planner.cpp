@@ -81,7 +81,7 @@ double most_memory() {
 }  // namespace
 
 Planner::Planner(LAMMPS& lammps, const std::string& script, double seconds)
-    : lammps_(lammps), seconds_(seconds), files_(lammps) {
+    : lammps_(lammps), seconds_(seconds), files_(lammps, script) {
   plan_.script = script.empty() ? "the standard input" : script;
   plan_.ranks = lammps.comm->nprocs;
   plan_.empty_bytes = most_of_ranks(most_memory());

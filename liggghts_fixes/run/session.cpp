@@ -104,7 +104,7 @@ int Session::run() {
   if (!ended_) interpreter_.run([this] { return end_here(); });
   if (planner_) {
     handle_runs({});
-    planner_->finish(ended_, [this](const std::string& line) { interpreter_.one(line); });
+    if (early_end_.signal() == 0) planner_->finish(ended_, [this](const std::string& line) { interpreter_.one(line); });
   }
   return early_end_.signal() != 0 && ended_ ? early_end_.signal() : 0;
 }

@@ -61,6 +61,23 @@ bool passes(const std::string& whole) {
          (!s.folder.empty() && begins_with(whole, s.folder + "/"));
 }
 
+template <class F>
+F* original(const char* name) {
+  return reinterpret_cast<F*>(dlsym(RTLD_NEXT, name));
+}
+
+/// However the process ends, also by a signal that it doesn't see: a shell reads from it until then. A launcher that ends
+/// all of a group of processes doesn't reach it.
+void remove_after_process(const std::string& folder) {
+  setenv("TWOGRID_PLAN_FOLDER", folder.c_str(), 1);
+  static auto* const real = original<FILE*(const char*, const char*)>("popen");
+  real(
+      "exec >/dev/null 2>&1; s='cat; rm -rf -- \"$TWOGRID_PLAN_FOLDER\"'; if command -v setsid; then exec setsid sh -c "
+      "\"$s\"; "
+      "else trap '' INT TERM HUP; eval \"$s\"; fi",
+      "w");
+}
+
 const std::string& folder() {
   Still& s = still();
   if (s.folder.empty()) {
@@ -70,6 +87,7 @@ const std::string& folder() {
       throw std::runtime_error("-plan: no folder could be made in " + name.substr(0, name.rfind('/')) +
                                "; wanted one for files of the moment (TMPDIR)");
     s.folder = name;
+    remove_after_process(name);
   }
   return s.folder;
 }
@@ -102,11 +120,6 @@ std::string written_to(const std::string& whole, const std::string& path) {
 
 int remove_entry(const char* path, const struct stat*, int, FTW*) {
   return std::remove(path);
-}
-
-template <class F>
-F* original(const char* name) {
-  return reinterpret_cast<F*>(dlsym(RTLD_NEXT, name));
 }
 
 using Open = FILE*(const char*, const char*);
@@ -149,6 +162,13 @@ bool can_be_written(const std::string& path) {
 double still_bytes(const std::string& path) {
   struct stat found;
   return stat(still_path_to_read(path).c_str(), &found) == 0 ? double(found.st_size) : 0.0;
+}
+
+void forget_still_file(const std::string& path) {
+  const auto found = still().files.find(absolute(path));
+  if (found == still().files.end()) return;
+  std::remove(found->second.c_str());
+  still().files.erase(found);
 }
 
 void take_as_folder(const std::string& path) {

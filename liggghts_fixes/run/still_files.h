@@ -20,6 +20,8 @@ std::string still_path_to_read(const std::string& path);
 
 /// Whether such a file can be made, or written over.
 bool can_be_written(const std::string& path);
+/// As if it had not been written. Local.
+void forget_still_file(const std::string& path);
 /// Its size by now, as it is written instead (bytes).
 double still_bytes(const std::string& path);
 

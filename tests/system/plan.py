@@ -45,6 +45,7 @@ run 300 every 100 "print 'a part is done'"
 variable steps equal 1000*${times}
 run ${steps} upto
 write_restart bed.restart
+fix_modify gas checkpoint write bed.checkpoint.h5
 write_data bed.data
 clear
 units si
@@ -68,6 +69,7 @@ fix weight all gravity 9.81 vector 0 0 -1
 fix motion all nve/sphere
 variable U equal 0.4
 """ + GAS.format(file="second.h5") + """
+fix_modify gas checkpoint read bed.checkpoint.h5
 run 200
 run_time 0.0015
 """
@@ -137,10 +139,12 @@ def good_script(c, executable, ranks):
             code, output, real = run(executable, folder, SCENE, n)
             c.true(f"the run itself: code {code}", code == 0)
             c.true(f"scene reports: {len(scenes(text))}, as the run's", len(scenes(text)) == 2 and scenes(text) == scenes(output))
-            for name, bound in (("bed.h5", 0.02), ("second.h5", 0.02), ("made/all.dump", 0.1), ("table.txt", 0.6), ("bed.restart", 0.02), ("bed.data", 0.1), ("one.restart", 0.3)):
+            for name, bound in (("bed.h5", 0.02), ("second.h5", 0.02), ("made/all.dump", 0.1), ("table.txt", 0.6), ("bed.restart", 0.02), ("bed.data", 0.1), ("one.restart", 0.3), ("bed.checkpoint.h5", 0.02), ("other.log", 0.5)):
                 size = os.path.getsize(os.path.join(folder, name))
                 c.below(f"{name}: {files.get(name, 0):.3g} bytes planned, {size:.3g} written; relative", abs(files.get(name, 0) / size - 1), bound)
             c.below(f"memory: {said} MB planned, {real:.1f} MB of the largest process; relative", abs(said / real - 1), 0.15)
+            left = [f for f in os.listdir(os.path.join(folder, "tmp")) if f.startswith("twogrid_plan")]
+            c.true(f"folders of the moment that are left: {left or 'none'}", not left)
             # Results stay as they are.
             before = listing(folder)
             code, text, _ = run(executable, folder, SCENE, n, ("-plan",))
@@ -198,6 +202,7 @@ def bad_scripts(c, executable, ranks):
     bad = {"a command that there isn't": SCENE.replace("variable times", "sing a song\nvariable times"),
            "a restart file that isn't there": SCENE.replace("read_restart bed.restart", "read_restart none.restart"),
            "a folder that isn't there": head + tail.replace("shell touch made/by_shell\n", "").replace("made/", "").replace("file bed.h5", "file nowhere/bed.h5"),
+           "a checkpoint that isn't there": SCENE.replace("checkpoint read bed.checkpoint.h5", "checkpoint read none.h5"),
            "a keyword that there isn't": SCENE.replace("fields u p eps", "fields u p heat"),
            "a ratio that doesn't divide": SCENE.replace("ratio 3 1 2", "ratio 4 1 2"),
            "a variable that there isn't": SCENE.replace("inlet 0 0 v_U", "inlet 0 0 v_V"),

@@ -38,6 +38,9 @@ TEST(PlanModel, BricksAsTheScriptWants) {
   p.wanted = {2, 1, 1};
   EXPECT_TRUE(script_allows(p, 2));
   EXPECT_FALSE(script_allows(p, 1));
+  // Whoever has to choose other ones takes those in which the bed lies evenly, not those of the least surface.
+  p.wanted = {1, 1, 1};
+  EXPECT_EQ(planned_bricks(p, 2)[2], 1);
 }
 
 TEST(PlanModel, TheFullestRankDecides) {
