@@ -149,7 +149,9 @@ void FixTwogrid::look_at_scene() {
   if (started_) {
     SceneFacts facts = scene_facts(*lmp, groupbit);
     Settings& s = script_.settings;
+    facts.ahead = names_.ahead();
     look_at_bodies(facts);
+    lower_every(facts);
     for (const std::string& w : scene_warnings(s, fluid_->grid(), facts, scene_numbers(s, fluid_->grid(), facts)))
       now.push_back(w);
   }
@@ -192,7 +194,7 @@ void FixTwogrid::build() {
   s.fluid.check_flow(grid);
   bodies_.resolve(s.fluid, grid);
   SceneFacts facts = scene_facts(*lmp, groupbit);
-  facts.still = motion_.still;
+  facts.still = motion_.still, facts.ahead = names_.ahead();
   if (facts.d_max == 0) atom->sortfreq = 0;  // without particles LIGGGHTS ends, for want of a width of its bins
   if (!script_.checkpoint_read.empty()) {
     if (!beginning_) read_beginning();
@@ -200,8 +202,7 @@ void FixTwogrid::build() {
   } else if (best_skin_option()) {
     chosen_skin_ = choose_skin(*lmp, facts);
   }
-  if (script_.every_auto && script_.checkpoint_read.empty())
-    s.every = automatic_every(scene_numbers(s, grid, facts), s, update->dt);
+  choose_every(facts, grid);
   if (s.accuracy > 0 && !s.tolerance_given) s.fluid.pressure_rtol = Accuracy::tolerance(s.accuracy);
   schedule_ = Schedule(s.accuracy > 0 && script_.every_auto);
   accuracy_ = Accuracy(s.accuracy, s.every, script_.every_auto, s.fluid.cfl, !s.cfl_given && s.fluid.dt == 0);

@@ -139,6 +139,8 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   std::string memory() const;
   std::vector<WidthAcross> look_at_bodies(const Settings& settings, SceneFacts& facts) const;
   void choose_cells();
+  void choose_every(const SceneFacts& facts, const FineGrid& grid);
+  void lower_every(const SceneFacts& facts);
   void build();
   void open_output(const SceneFacts& facts);
   void open_planned_output(const SceneFacts& facts);

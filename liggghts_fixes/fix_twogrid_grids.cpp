@@ -1,5 +1,7 @@
 // What fix twogrid does for `auto` in fine, ratio and every: it is chosen when the first run begins, when all patches, bodies and
 // particles are there, and kept by checkpoints.
+#include <update.h>
+
 #include "liggghts_fixes/fix_twogrid.h"
 #include "liggghts_fixes/liggghts/box.h"
 #include "liggghts_fixes/liggghts/scene_facts.h"
@@ -52,6 +54,29 @@ void FixTwogrid::choose_cells() {
   const GridChoice choice = choose_grids(grid_scene(some.settings, facts, widths), given_grids(script_));
   s.fine = choice.fine, s.ratio = choice.ratio;
   script_.choices = choice.reasons;
+}
+
+void FixTwogrid::choose_every(const SceneFacts& facts, const FineGrid& grid) {
+  if (!script_.every_auto) return;
+  int& every = script_.settings.every;
+  std::string why = "as the checkpoint has it";
+  if (script_.checkpoint_read.empty()) {
+    const AutomaticEvery chosen =
+        automatic_every(scene_numbers(script_.settings, grid, facts), script_.settings, update->dt);
+    every = chosen.steps, why = chosen.why;
+  }
+  script_.choices.push_back("every: " + std::to_string(every) + " DEM steps (auto): " + why);
+}
+
+/// Later runs: inlets may blow faster. Not in a run that is cut in parts, by checkpoints.
+void FixTwogrid::lower_every(const SceneFacts& facts) {
+  if (!script_.every_auto || accuracy_.on() || update->firststep != update->beginstep) return;
+  Settings& s = script_.settings;
+  const AutomaticEvery now = automatic_every(scene_numbers(s, fluid_->grid(), facts), s, update->dt);
+  if (now.steps >= s.every) return;
+  watch_.say("twogrid: every " + std::to_string(now.steps) + " (auto) in place of " + std::to_string(s.every) +
+             " from this run on: " + now.why + "\n");
+  s.every = now.steps;
 }
 
 }  // namespace twogrid

@@ -8,7 +8,16 @@
 #include <update.h>
 #include <variable.h>
 
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include "liggghts_fixes/private_member.h"
 #include "liggghts_fixes/script/words.h"
+
+namespace {
+PRIVATE_MEMBER(VariableData, LAMMPS_NS::Variable, char***, data);
+}
 
 namespace twogrid {
 
@@ -51,6 +60,77 @@ double ScriptNames::equal_style(const std::string& variable, const std::string& 
   }
   modify->addstep_compute(lammps_.update->ntimestep + script_.settings.every);
   return value;
+}
+
+bool ScriptNames::hangs_on_step(const std::string& variable, int depth) const {
+  static const std::set<std::string> kKnown{"step",  "dt",    "ramp", "PI",    "sqrt",      "exp",     "ln",
+                                            "log",   "sin",   "cos",  "tan",   "asin",      "acos",    "atan",
+                                            "atan2", "floor", "ceil", "round", "vdisplace", "swiggle", "cwiggle"};
+  Variable* const variables = lammps_.input->variable;
+  std::string name = variable;
+  const int v = variables->find(name.data());
+  if (v < 0 || depth > 20) return false;
+  if (!variables->equalstyle(v)) return !variables->atomstyle(v);
+  const std::string formula = (variables->*member(VariableData()))[v][0];
+  for (std::size_t i = 0; i < formula.size();) {
+    const auto is_word = [&](std::size_t at) {
+      return at < formula.size() && (std::isalnum(static_cast<unsigned char>(formula[at])) || formula[at] == '_');
+    };
+    if (std::isdigit(static_cast<unsigned char>(formula[i])) || formula[i] == '.') {
+      std::size_t used = 1;
+      try {
+        std::stod(formula.substr(i), &used);
+      } catch (const std::exception&) {
+        return false;
+      }
+      i += used;
+      continue;
+    }
+    if (!is_word(i)) {
+      ++i;
+      continue;
+    }
+    std::size_t end = i;
+    while (is_word(end)) ++end;
+    const std::string word = formula.substr(i, end - i);
+    if (word.rfind("v_", 0) == 0 ? !hangs_on_step(word.substr(2), depth + 1) : !kKnown.count(word)) return false;
+    i = end;
+  }
+  return true;
+}
+
+/// Of either sign; NaN: not to be known.
+double ScriptNames::largest_ahead(const std::string& variable, const std::string& keyword) const {
+  constexpr int kLooks = 64;
+  const double now = equal_style(variable, keyword);
+  if (!hangs_on_step(variable)) return NAN;
+  Update& update = *lammps_.update;
+  Variable* const variables = lammps_.input->variable;
+  std::string name = variable;
+  const int v = variables->find(name.data());
+  const bigint step = update.ntimestep;
+  double most = now;
+  for (int i = 0; i <= kLooks; ++i) {
+    update.ntimestep = update.beginstep + (update.endstep - update.beginstep) * i / kLooks;
+    const double value = variables->compute_equal(v);
+    if (std::abs(value) > std::abs(most)) most = value;
+  }
+  update.ntimestep = step;
+  return most;
+}
+
+InletsAhead ScriptNames::ahead() const {
+  InletsAhead all;
+  for (int side = 0; side < 6; ++side)
+    for (const ConditionNames& names : script_.names[side]) {
+      const std::string& variable = names.velocity.variable[side / 2];
+      all.side[side].push_back(variable.empty() ? names.velocity.number[side / 2]
+                                                : largest_ahead(variable, std::string("boundary ") + kSideNames[side]));
+    }
+  for (const BodyNames& names : script_.bodies)
+    all.body.push_back(
+        names.blow_variable.empty() ? names.blow : largest_ahead(names.blow_variable, "solid " + names.name + " blow"));
+  return all;
 }
 
 Vec3 ScriptNames::velocity_now(int side, std::size_t condition) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cfd/grid/grid.h"
+#include "liggghts_fixes/report/scene_numbers.h"
 #include "liggghts_fixes/script/script.h"
 
 namespace LAMMPS_NS {
@@ -33,10 +34,15 @@ class ScriptNames {
   void run_is_set_up() { in_run_ = true; }
   /// For a plan: velocities of couplings are those of a later step of the run. 0: of the step itself.
   void look_ahead(long long step) { later_ = step; }
+  /// What inlets and bodies that blow reach in the run that is being initialised. Variables that hang on nothing but the step
+  /// (numbers, functions, ramp, other such variables) are looked at along it.
+  InletsAhead ahead() const;
   /// Value of a variable, now. Throws std::invalid_argument, naming the keyword, where it is none.
   double equal_style(const std::string& variable, const std::string& keyword) const;
 
  private:
+  bool hangs_on_step(const std::string& variable, int depth = 0) const;
+  double largest_ahead(const std::string& variable, const std::string& keyword) const;
   Vec3 velocity_now(int side, std::size_t condition) const;
 
   LAMMPS_NS::LAMMPS& lammps_;

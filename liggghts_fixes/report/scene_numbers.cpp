@@ -5,6 +5,8 @@
 
 #include "cfd/boundary/patches.h"
 #include "cfd/grid/pi.h"
+#include "liggghts_fixes/report/coupling_watch.h"
+#include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
 
@@ -16,26 +18,55 @@ double smallest_width(const Axis& axis, int block) {
   return w;
 }
 
-double now(const Blow& blow) {
-  return blow.velocity_now ? blow.velocity_now() : blow.velocity;
+/// A velocity that may follow a variable, and what is known of it.
+struct Velocity {
+  double value;
+  bool varies, ahead;  // holds for now only; for the run to come
+};
+
+Velocity known(double constant, bool variable, double now, const std::vector<double>& ahead, std::size_t i) {
+  if (!variable) return {constant, false, false};
+  if (i < ahead.size() && std::isfinite(ahead[i])) return {ahead[i], false, true};
+  return {now, true, false};
+}
+
+Velocity of_inlet(const FluidSettings& fluid, int s, std::size_t i, const SceneFacts& facts) {
+  const BoundaryCondition& c = fluid.side[s][i];
+  const int d = direction(s);
+  return known(c.velocity[d], bool(c.velocity_now), c.velocity_now ? c.velocity_now()[d] : 0, facts.ahead.side[s], i);
+}
+
+Velocity of_blow(const FluidSettings& fluid, std::size_t b, const SceneFacts& facts) {
+  const Blow& blow = fluid.bodies[b].blow;
+  return known(blow.velocity, bool(blow.velocity_now), blow.velocity_now ? blow.velocity_now() : 0, facts.ahead.body,
+               b);
 }
 
 /// Of inlets and of bodies that blow.
-double largest_inlet(const FluidSettings& fluid, bool* varies) {
-  double U = 0;
+Velocity largest_inlet(const FluidSettings& fluid, const SceneFacts& facts) {
+  Velocity U{0, false, false};
+  const auto count = [&](const Velocity& u) {
+    U.value = std::max(U.value, std::abs(u.value)), U.varies |= u.varies, U.ahead |= u.ahead;
+  };
   for (int s = 0; s < 6; ++s)
-    for (const BoundaryCondition& c : fluid.side[s])
-      if (c.kind == BoundaryKind::kInlet) {
-        const Vec3 u = c.velocity_now ? c.velocity_now() : c.velocity;
-        if (varies && c.velocity_now) *varies = true;
-        U = std::max(U, std::abs(u[direction(s)]));
-      }
-  for (const Body& body : fluid.bodies)
-    if (body.blow.on) {
-      U = std::max(U, now(body.blow));
-      if (varies && body.blow.velocity_now) *varies = true;
-    }
+    for (std::size_t i = 0; i < fluid.side[s].size(); ++i)
+      if (fluid.side[s][i].kind == BoundaryKind::kInlet) count(of_inlet(fluid, s, i, facts));
+  for (std::size_t b = 0; b < fluid.bodies.size(); ++b)
+    if (fluid.bodies[b].blow.on) count(of_blow(fluid, b, facts));
   return U;
+}
+
+/// Velocity at which a sphere sinks: its buoyant weight against the drag of Schiller & Naumann (1933), 0.44 from Re = 1000 on.
+double terminal_velocity(double d, double rho_p, double rho_f, double mu, double g) {
+  const double weight = std::abs(rho_p - rho_f) * g * kPi / 6 * d * d * d;
+  double low = 0, high = 1;
+  const auto drag = [&](double v) {
+    const double Re = rho_f * v * d / mu, stokes = 3 * kPi * mu * d * v;
+    return Re < 1000 ? stokes * (1 + 0.15 * std::pow(Re, 0.687)) : stokes * 0.44 * Re / 24;
+  };
+  while (drag(high) < weight && high < 1e6) high *= 2;
+  for (int i = 0; i < 60; ++i) (drag(0.5 * (low + high)) < weight ? low : high) = 0.5 * (low + high);
+  return high;
 }
 
 /// What enters by all inlets, and through bodies that blow (m3/s).
@@ -46,13 +77,13 @@ double inlets_rate(const FluidSettings& fluid, const FineGrid& grid, const Scene
     for (std::size_t i = 0; i < fluid.side[s].size(); ++i) {
       const BoundaryCondition& c = fluid.side[s][i];
       if (c.kind != BoundaryKind::kInlet) continue;
-      const double u = (c.velocity_now ? c.velocity_now() : c.velocity)[direction(s)];
+      const double u = of_inlet(fluid, s, i, facts).value;
       const double area = facts.cut && i < facts.open_area[s].size() ? facts.open_area[s][i] : sizes[i].open;
       rate += std::max(0.0, is_high(s) ? -u : u) * area;
     }
   }
   for (std::size_t b = 0; facts.cut && b < fluid.bodies.size() && b < facts.cut->bodies.size(); ++b)
-    if (fluid.bodies[b].blow.on) rate += now(fluid.bodies[b].blow) * facts.cut->bodies[b].blown;
+    if (fluid.bodies[b].blow.on) rate += of_blow(fluid, b, facts).value * facts.cut->bodies[b].blown;
   return rate;
 }
 
@@ -109,7 +140,8 @@ SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneF
                              facts.gravity[2] * facts.gravity[2]);
   constexpr double kEps = 0.4;
   if (d > 0 && facts.density > 0) n.Umf = minimum_fluidisation(d, facts.density, rho, mu, g, kEps);
-  n.U = std::max(largest_inlet(s.fluid, &n.U_varies), std::abs(s.fluid.initial_vortex));
+  const Velocity inlets = largest_inlet(s.fluid, facts);
+  n.U = std::max(inlets.value, std::abs(s.fluid.initial_vortex)), n.U_varies = inlets.varies, n.U_ahead = inlets.ahead;
   for (int i = 0; i < 3; ++i) {
     n.U = std::max(n.U, std::abs(s.fluid.initial_velocity[i]));
     if (s.fluid.flow_rate_set[i]) n.U = std::max(n.U, std::abs(s.fluid.flow_rate[i]));
@@ -128,6 +160,13 @@ SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneF
       n.tau = facts.density * (1 - kEps) / beta;
     }
   }
+  if (facts.d_max > 0 && facts.density > 0 && g > 0) {
+    n.v = terminal_velocity(facts.d_max, facts.density, rho, mu, g);
+    int along = 0;
+    for (int i = 1; i < 3; ++i)
+      if (std::abs(facts.gravity[i]) > std::abs(facts.gravity[along])) along = i;
+    if (!grid.axis[along].periodic()) n.v = std::min(n.v, std::sqrt(2 * g * grid.axis[along].length()));
+  }
   if (facts.d_max > 0 && s.every > 0 && facts.dem_dt > 0) {
     double area = 1e300;  // of the smallest side between two particle cells
     for (int i = 0; i < 3; ++i)
@@ -140,12 +179,32 @@ SceneNumbers scene_numbers(const Settings& s, const FineGrid& grid, const SceneF
   return n;
 }
 
-int automatic_every(const SceneNumbers& n, const Settings& s, double dem_dt) {
-  double interval = 100 * dem_dt;
-  const double u = std::max(n.U, n.Umf / 0.4);
-  if (u > 0) interval = std::min(interval, s.fluid.cfl * n.h_min / u);
-  if (n.tau > 0) interval = std::min(interval, 0.5 * n.tau);
-  return std::clamp(int(interval / dem_dt), 1, 100);
+AutomaticEvery automatic_every(const SceneNumbers& n, const Settings& s, double dem_dt) {
+  constexpr double kEps = 0.4;
+  constexpr int kMost = 100;
+  double interval = kMost * dem_dt;
+  AutomaticEvery every{kMost, std::to_string(kMost) + " at most"};
+  const auto within = [&](double time, const std::string& why) {
+    if (time < interval) interval = time, every.why = why;
+  };
+  const double packed = std::max(n.U_bed, n.Umf) / kEps, u = std::max(n.U, packed);
+  if (u > 0)
+    within(s.fluid.cfl * n.h_min / u, "the fluid crosses " + brief(s.fluid.cfl) + " (cfl) of the smallest fine cell, " +
+                                          brief(n.h_min) + " m, at " + brief(u) + " m/s" +
+                                          (u > n.U      ? ", the velocity between the grains of a bed"
+                                           : n.U_varies ? " (an inlet's variable, as it is now)"
+                                           : n.U_ahead  ? " (the largest that inlets reach in this run)"
+                                                        : ""));
+  if (n.v > 0)
+    within(CouplingWatch::kTravel * n.h_coarse / n.v,
+           "a grain that falls, at " + brief(n.v) + " m/s, crosses " + brief(CouplingWatch::kTravel) +
+               " of the smallest particle cell, " + brief(n.h_coarse) + " m");
+  // Without held fluxes a bed that falls freely swings up from CouplingWatch::kUnheld on.
+  const double share = s.hold_flux == Choice::kOff ? CouplingWatch::kUnheld : 0.5;
+  if (n.tau > 0) within(share * n.tau, brief(share) + " response times of the bed, " + brief(n.tau) + " s each");
+  every.steps = std::clamp(int(interval / dem_dt * (1 + 1e-9)), 1, kMost);
+  if (interval < dem_dt) every.why += " in less than a step: lower timestep";
+  return every;
 }
 
 }  // namespace twogrid

@@ -28,6 +28,13 @@ struct WallFacts {
 /// tests/bench/README.md).
 constexpr double kLeastSkin = 0.25, kMostSkin = 0.7;
 
+/// Velocities of inlets (along their side's direction) and of bodies that blow, as large as they get in the run to come (m/s).
+/// Where a variable hangs on more than the step that isn't known: NaN.
+struct InletsAhead {
+  std::array<std::vector<double>, 6> side;  ///< of each condition; empty: not looked for
+  std::vector<double> body;
+};
+
 /// What LIGGGHTS knows about the scene; the same on all ranks.
 struct SceneFacts {
   long long particles = 0;                  ///< in the fix's group
@@ -49,6 +56,7 @@ struct SceneFacts {
   std::string contacts;             ///< what evaluates them; empty: no granular pair style
   double equal_kn = 0;              ///< k_n of hooke/stiffness for the same contacts as model hooke, N/m; 0: none
   std::vector<WallFacts> walls;
+  InletsAhead ahead;
   std::optional<CutReport> cut;                  ///< bodies in the fluid's grid; none: there are none
   std::optional<OpenNodes::Figures> nodes;       ///< what they make of the particle grid
   std::array<std::vector<double>, 6> open_area;  ///< with bodies: of each condition of each side (m2)
@@ -72,6 +80,8 @@ struct SceneNumbers {
   double tau = 0;     ///< response time of particles to the drag, dense: rho_p eps_s / beta (Ergun at eps = 0.4, U), s
   double beta = 0;    ///< drag coefficient of a packed bed (Ergun at eps = 0.4 and U, of the open volume), kg/(m3 s)
   bool U_varies = false;  ///< an inlet or a body that blows follows a variable: U holds its value of now
+  bool U_ahead = false;   ///< or the largest of this run
+  double v = 0;           ///< of falling particles: terminal, or from the domain's top, whichever is less (m/s)
   double noise = 0;  ///< velocity by which a particle replaces fluid when it changes its particle cell at once (m/s)
   double cfl = 0;    ///< U_max dt_coupling / h_min with interstitial velocity (eps = 1 at inlets)
 };
@@ -90,8 +100,12 @@ SettledBed settled_bed(const Settings& settings, const FineGrid& grid, const Sce
 
 SceneNumbers scene_numbers(const Settings& settings, const FineGrid& grid, const SceneFacts& facts);
 
-/// DEM steps per coupling when the script says `every auto`: the longest interval within cfl cell widths and half a
-/// response time, from 1 to 100.
-int automatic_every(const SceneNumbers& numbers, const Settings& settings, double dem_dt);
+/// DEM steps per coupling when the script says `every auto`: the longest interval within which the fluid crosses cfl fine
+/// cells, half a response time of the particles lasts (with 'hold off' 0.3 of them), and fall by CouplingWatch::kTravel of a particle cell; from 1 to 100.
+struct AutomaticEvery {
+  int steps = 1;
+  std::string why;
+};
+AutomaticEvery automatic_every(const SceneNumbers& numbers, const Settings& settings, double dem_dt);
 
 }  // namespace twogrid

@@ -174,7 +174,9 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
   const bool from_Umf = n.U > 0 && n.U == n.Umf;
   if (n.U > 0)
     line("velocity U", brief(n.U) + " m/s" + (from_Umf ? ", of minimum fluidisation" : "") +
-                           (n.U_varies ? from_Umf ? " (an inlet's variable is 0 now)" : " now (variable)" : ""));
+                           (n.U_varies  ? from_Umf ? " (an inlet's variable is 0 now)" : " now (variable)"
+                            : n.U_ahead ? ", the largest that variables give in this run"
+                                        : ""));
   else if (n.U_varies)
     line("velocity U", "unknown: an inlet's variable is 0 now");
   if (n.Umf > 0)

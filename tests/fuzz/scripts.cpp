@@ -217,7 +217,7 @@ std::string report_of(const Script& script, const FineGrid& grid, Dice& dice) {
                {"tau", n.tau, 0, kAny},
                {"noise", n.noise, 0, kAny},
                {"cfl", n.cfl, 0, kAny},
-               {"automatic every", double(automatic_every(n, script.settings, facts.dem_dt)), 1, 100}});
+               {"automatic every", double(automatic_every(n, script.settings, facts.dem_dt).steps), 1, 100}});
   if (!wrong.empty()) return wrong;
   scene_warnings(script.settings, grid, facts, n, script.every_auto);
   return scene_report(script, grid, facts).empty() ? "an empty scene report" : "";

@@ -112,6 +112,22 @@ def same(c, executable, ranks):
     c.true("given grids are not called chosen", "chosen (auto)" not in given.output)
 
 
+def interval(c, executable):
+    """0.4 of a cell at the velocity that inlets reach in the run; a later run that blows faster."""
+    def of(r):
+        h = min(float(x) for x in re.findall(r"grid [xyz] +\d+ fine cells of ([\d.e-]+) m", r.output))
+        return h, [int(e) for e in re.findall(r"coupling interval +(\d+) steps|every (\d+) \(auto\) in place", r.output) for e in e if e]
+    ramp = "variable U equal ramp(0.2,2.0)\nvariable W equal 2*v_U\n"
+    more = JET.replace("inlet 0 0 5.0", "inlet 0 0 v_W") + "fix_modify gas output off\nrun 50\nvariable W equal 10\nrun 20\nvariable W equal 1\nrun 20\n"
+    r = Run(executable, BED + ramp + gas() + more, launcher=None)
+    h, every = of(r)
+    wanted = [int(0.4 * h / u / 1.5e-5 * (1 + 1e-9)) for u in (4, 10)]
+    c.true(f"a ramp to 4 m/s, then 10, then 1: every {every}, wanted {wanted}", every == wanted and "the largest that inlets reach in this run" in r.output
+           and "follows a variable" not in r.output)
+    r = Run(executable, BED + "compute k all ke\nvariable W equal 5+0*c_k\n" + gas() + JET.replace("inlet 0 0 5.0", "inlet 0 0 v_W") + "fix_modify gas output off\nrun 5\n", launcher=None)
+    c.true("a variable that hangs on the grains: its value of now, and that is said", "an inlet's variable, as it is now" in r.output and "every auto) hold for its value now" in r.output)
+
+
 def goes_on(c, executable):
     """Between two runs a grain of three times the size comes: chosen anew, the particle cells would be as large as two of it."""
     later = "create_atoms 1 single 0.006 0.0024 0.028\ngroup big id > 450\nset group big diameter 0.0036 density 1000\n"
@@ -161,6 +177,7 @@ def main():
     c = Checks("grids from the scene")
     kinds(c, executable)
     same(c, executable, ranks)
+    interval(c, executable)
     goes_on(c, executable)
     refused(c, executable)
     c.end()

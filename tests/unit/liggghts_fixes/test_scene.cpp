@@ -84,14 +84,49 @@ TEST(SceneNumbersOf, AutomaticEveryStaysWithinCellsAndResponse) {
   Settings s = scene();
   SceneNumbers n;
   n.h_min = 0.001, n.U = 1, n.tau = 1;
-  EXPECT_EQ(automatic_every(n, s, 1e-5), 40);  // cfl 0.4: 4e-4 s
+  EXPECT_EQ(automatic_every(n, s, 1e-5).steps, 40);  // cfl 0.4: 4e-4 s
   n.tau = 1e-4;
-  EXPECT_EQ(automatic_every(n, s, 1e-5), 5);
+  EXPECT_EQ(automatic_every(n, s, 1e-5).steps, 5);
   n.tau = 1e-9;
-  EXPECT_EQ(automatic_every(n, s, 1e-5), 1);
+  EXPECT_EQ(automatic_every(n, s, 1e-5).steps, 1);
+  // A bed's gas is faster between the grains: 0.6 m/s over the section are 1.5 m/s, 0.4 mm of a cell in 2.67e-4 s.
+  n = SceneNumbers();
+  n.h_min = 0.001, n.U = 0.6, n.U_bed = 0.6;
+  EXPECT_EQ(automatic_every(n, s, 1e-5).steps, 26);
+  // Grains that fall at 2 m/s cross 0.3 of 1 mm in 1.5e-4 s.
+  n = SceneNumbers();
+  n.h_min = n.h_coarse = 0.001, n.v = 2;
+  EXPECT_EQ(automatic_every(n, s, 1e-5).steps, 15);
+  EXPECT_NE(automatic_every(n, s, 1e-5).why.find("2 m/s"), std::string::npos);
   n = SceneNumbers();
   n.h_min = 1;
-  EXPECT_EQ(automatic_every(n, s, 1e-5), 100);
+  EXPECT_EQ(automatic_every(n, s, 1e-5).steps, 100);
+}
+
+TEST(SceneNumbersOf, WhatInletsReachInTheRunCounts) {
+  // A ramp that stands at 0 and ends at 0.9 m/s.
+  Settings s = scene();
+  s.fluid.side[kZlo][0].velocity_now = [] { return Vec3{0, 0, 0}; };
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  SceneFacts f = facts();
+  SceneNumbers n = scene_numbers(s, grid, f);
+  EXPECT_TRUE(n.U_varies);
+  EXPECT_EQ(n.U, n.Umf);
+  f.ahead.side[kZlo] = {0.9};
+  n = scene_numbers(s, grid, f);
+  EXPECT_EQ(n.U, 0.9);
+  EXPECT_TRUE(!n.U_varies && n.U_ahead);
+  f.ahead.side[kZlo] = {NAN};
+  EXPECT_TRUE(scene_numbers(s, grid, f).U_varies);
+}
+
+TEST(SceneNumbersOf, FallingGrains) {
+  // Terminal: 18 mu v d^-2 (1 + 0.15 Re^0.687) = rho' g. 1.2 mm in air: 6.0 m/s, more than the fall through 0.2 m, sqrt(2 g 0.2).
+  const Settings s = scene();
+  const SceneFacts f = facts();
+  EXPECT_NEAR(scene_numbers(s, fine_grid(s, {false, false, false}), f).v, std::sqrt(2 * 9.81 * 0.2), 1e-9);
+  const double v = scene_numbers(s, fine_grid(s, {false, false, true}), f).v, Re = 1.2 * v * 1.2e-3 / 1.8e-5;
+  EXPECT_NEAR(18 * 1.8e-5 * v / (1.2e-3 * 1.2e-3) * (1 + 0.15 * std::pow(Re, 0.687)), (1000 - 1.2) * 9.81, 1);
 }
 
 TEST(SceneWarnings, WallsInsideTheDomain) {
