@@ -21,6 +21,12 @@ void copy(const Array3<double>& from, Array3<double>& to, const Box& box) {
   for_each(box, [&](int i, int j, int k) { to(i, j, k) = from(i, j, k); });
 }
 
+/// Zero on faces that bodies close, where steps leave it so.
+void close_faces(const FluidDomain& domain, FaceField<FineGrid>& u) {
+  const OpenShares* open = domain.measures.open();
+  for (int d = 0; open && d < 3; ++d) open->close(d, u[d].data());
+}
+
 }  // namespace
 
 FluidSolver::FluidSolver(MPI_Comm comm, const FineGrid& grid, const Layout& layout, const FluidSettings& settings)
@@ -173,6 +179,7 @@ void FluidSolver::start(const CellField<FineGrid>& eps) {
   state_.p.fill(initial_pressure(settings_));
   state_.phi.fill(0);
   set_initial_velocity(domain_, settings_, state_.u);
+  close_faces(domain_, state_.u);
   update_velocities();
   domain_.fill(state_.u);
   make_continuous();
@@ -202,6 +209,7 @@ void FluidSolver::set_state(double time, const FaceField<FineGrid>& u, const Cel
   update_velocities();
   for (int d = 0; d < 3; ++d)
     copy(u[d], state_.u[d], domain_.faces[d]), copy(u_previous[d], state_.u_old[d], domain_.faces[d]);
+  close_faces(domain_, state_.u), close_faces(domain_, state_.u_old);
   domain_.fill(state_.u);
   domain_.fill(state_.u_old);
   copy(p, state_.p, domain_.own);

@@ -202,23 +202,46 @@ void BodyForces::add(double share, const FluidState& state, const Property& mu, 
   const double* cell_mu = mu.varies() ? mu.field().data() : nullptr;
   for (int c = 0; c < 3; ++c) {
     const double *i_f = state.i_f[c].data(), *u = state.u[c].data();
+    const std::ptrdiff_t s = state.p.stride(c);
+    // Neighbours in the list are mostly of one body: its sums stay at hand as long as that is so.
+    double friction = 0, along_g = 0, along_e = 0;
+    int body = 0;
+    const auto hand_over = [&] {
+      BodyForce& f = force_[body];
+      f.friction[c] += friction, f.torque[(c + 1) % 3] += along_g, f.torque[(c + 2) % 3] -= along_e;
+      friction = along_g = along_e = 0;
+    };
     const int e = (c + 1) % 3, g = (c + 2) % 3;
+    const double same = share * mu.number;
     for (const Piece& p : pieces_[c]) {
-      double viscosity = mu.number;
-      if (cell_mu) {
-        const double below = cell_mu[p.face - state.p.stride(c)];
-        viscosity = below + p.above * (cell_mu[p.face] - below);
-      }
-      const double F = share * viscosity * p.conductance * i_f[p.face] * (u[p.face] - p.velocity);
-      BodyForce& f = force_[p.body];
-      f.friction[c] += F;
-      f.torque[e] += p.arm[g] * F, f.torque[g] -= p.arm[e] * F;
+      if (p.body != body) hand_over(), body = p.body;
+      const double viscosity =
+          cell_mu ? share * (cell_mu[p.face - s] + p.above * (cell_mu[p.face] - cell_mu[p.face - s])) : same;
+      const double F = viscosity * p.conductance * i_f[p.face] * (u[p.face] - p.velocity);
+      friction += F, along_g += p.arm[g] * F, along_e += p.arm[e] * F;
     }
+    hand_over();
   }
-  for (const Pressed& c : pressed_)
-    for (int d = 0; d < 3; ++d) force_[c.body].pressure[d] += share * state.p.data()[c.cell] * c.area[d];
-  for (const Wall& w : walls_)
-    for (int d = 0; d < 3; ++d) force_[w.body].torque[d] += share * state.p.data()[w.cell] * w.turning[d];
+  const auto by_body = [&](const auto& list, auto&& of, auto&& total) {
+    Vec3 sum{0, 0, 0};
+    int body = 0;
+    const auto hand_over = [&] {
+      for (int d = 0; d < 3; ++d) total(force_[body])[d] += sum[d];
+      sum = {0, 0, 0};
+    };
+    for (const auto& entry : list) {
+      if (entry.body != body) hand_over(), body = entry.body;
+      const double p = share * state.p.data()[entry.cell];
+      const Vec3& factor = of(entry);
+      sum[0] += p * factor[0], sum[1] += p * factor[1], sum[2] += p * factor[2];
+    }
+    hand_over();
+  };
+  by_body(
+      pressed_, [](const Pressed& c) -> const Vec3& { return c.area; },
+      [](BodyForce& f) -> Vec3& { return f.pressure; });
+  by_body(
+      walls_, [](const Wall& w) -> const Vec3& { return w.turning; }, [](BodyForce& f) -> Vec3& { return f.torque; });
   for (std::size_t b = 0; b < halves_.size(); ++b)
     for (int c = 0; c < 3; ++c) {
       const double G = share * state.imposed[c];

@@ -159,7 +159,13 @@ void Boundaries::close_faces(MPI_Comm comm, const OpenShares& open) {
   for (int d = 0; d < 3; ++d)
     for (std::ptrdiff_t m : open.closed(d)) state_[d].data()[m] = FaceState::kFixed;
   for (int side = 0; side < 6; ++side) {
-    normalise_parabolas(comm, side_[side], side);
+    SideData& s = side_[side];
+    if (s.here)
+      s.open = OpenRows(s.own, 1, [&](int i, int j, int k) {
+        const std::ptrdiff_t m = open.theta().index(i, j, k);
+        return open.alpha(s.d, m) > 0 || open.alpha(s.d, m + s.step * open.theta().stride(s.d)) > 0;
+      });
+    normalise_parabolas(comm, s, side);
     for_each_face(side,
                   [&](int, int i, int j, int k) { outlets += state_[side_[side].d](i, j, k) == FaceState::kSolved; });
   }
@@ -184,6 +190,11 @@ void Boundaries::update() {
       const BoundaryCondition& c = conditions[s.condition[m]];
       s.normal[m] = c.kind == BoundaryKind::kInlet ? velocity_[side][s.condition[m]][s.d] * s.profile[m] : 0.0;
     }
+    if (shares_)
+      for_each_inner(s, shares_->theta(), [&](int m, std::ptrdiff_t in) {
+        const std::ptrdiff_t face = in + (s.step < 0 ? shares_->theta().stride(s.d) : 0);
+        if (!(shares_->alpha(s.d, face) > 0)) s.normal[m] = 0;
+      });
     set_tangential(s, side);
   }
   known_ = true;
@@ -240,7 +251,8 @@ void Boundaries::apply_normal(FaceField<FineGrid>& u, bool homogeneous) const {
       if (!s.outlet[m]) v[in + to_face] = on * s.normal[m];
     });
   }
-  if (!shares_) return;
+  // With links nothing is ever written to closed faces but zero (Predictor).
+  if (!shares_ || shares_->has_links()) return;
   for (int d = 0; d < 3; ++d) shares_->close(d, u[d].data());
 }
 

@@ -63,7 +63,8 @@ class Boundaries {
 
   /// Inlet patches and sides with their resolved area and present flux. Collective.
   std::vector<PatchArea> areas(MPI_Comm comm) const;
-  /// Calls f(side, i, j, k) for the rank's own boundary faces of direction d; (i,j,k) is the face's index.
+  /// Calls f(side, i, j, k) for the rank's own boundary faces of direction d; (i,j,k) is the face's index. Behind bodies
+  /// only for those that fluid can have to do with, as far as rows along x end at them: nothing flows at the others.
   template <class F>
   void for_each_face(int side, F&& f) const;
 
@@ -81,6 +82,7 @@ class Boundaries {
     std::vector<double> normal;                        // prescribed normal velocity
     std::array<std::vector<double>, 2> slope, offset;  // tangential ghost = slope * inner + offset, for e and f
     Box own;                                           // the rank's own boundary faces
+    OpenRows open;  // with open shares: of these rows what is open, or has an open face behind it
     int at(int a, int b) const { return (a - lo_e) + n_e * (b - lo_f); }
   };
   /// Calls f(index in the side's lists, memory index of the inner cell in `like`) for all faces of a side in the range.
@@ -105,7 +107,13 @@ class Boundaries {
 
 template <class F>
 void Boundaries::for_each_face(int side, F&& f) const {
-  if (side_[side].here) for_each(side_[side].own, [&](int i, int j, int k) { f(side, i, j, k); });
+  const SideData& s = side_[side];
+  if (!s.here) return;
+  for (int k = s.own.lo[2]; k < s.own.hi[2]; ++k)
+    for (int j = s.own.lo[1]; j < s.own.hi[1]; ++j) {
+      const OpenRows::Part p = shares_ ? s.open.bare(j, k) : OpenRows::Part{s.own.lo[0], s.own.hi[0]};
+      for (int i = p.begin; i < p.end; ++i) f(side, i, j, k);
+    }
 }
 
 }  // namespace twogrid

@@ -59,6 +59,18 @@ Predictor::Predictor(FluidDomain& domain, const FluidSettings& settings)
       if (s.share[q] > 0)
         slivers_[d].back().of.push_back({m + (q % 2 ? 1 : -1) * open->theta().stride(q / 2), s.share[q]});
   }
+  int beyond = 0;
+  for (int d = 0; d < 3; ++d) {
+    std::vector<char> solved(open->theta().size(), 0);
+    for_each(domain.faces[d], [&](int i, int j, int k) {
+      const std::ptrdiff_t m = open->theta().index(i, j, k);
+      solved[std::size_t(m)] = domain.boundaries.state(d).data()[m] == FaceState::kSolved;
+    });
+    for (const Following& s : slivers_[d])
+      for (const auto& other : s.of) beyond = beyond || !solved[std::size_t(other.first)];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &beyond, 1, MPI_INT, MPI_MAX, domain.comm);
+  slivers_look_beyond_ = beyond != 0;
   for (const WallPiece& p : open->pieces()) {
     const std::ptrdiff_t m = open->theta().index(p.face[0], p.face[1], p.face[2]);
     const double theta_f = open->theta_f()[p.component].data()[m];
@@ -170,6 +182,10 @@ inline void Predictor::predict_component(const FluidState& state, const Step& st
       o[i] = sum;
       next[i] = sum / (A[i] * V);
     }
+    if (open) {
+      const double* theta = open->theta_f()[d].data() + m;  // 0: closed
+      for (int i = 0; i < n; ++i) next[i] = theta[i] > 0 ? next[i] : 0.0;
+    }
     if (inertia_field_[d].size() > 0) std::copy_n(A, n, inertia_field_[d].data() + m);
   });
 }
@@ -249,7 +265,7 @@ void Predictor::lose_convection(FaceField<FineGrid>& rhs) {
 void Predictor::drag_slivers_along(const FluidState& state, const Interphase& exchange, FaceField<FineGrid>& u_next) {
   const OpenShares* open = domain_.measures.open();
   if (!open || !open->has_links()) return;
-  domain_.fill(u_next);
+  if (slivers_look_beyond_) domain_.fill(u_next);
   for (int d = 0; d < 3; ++d) {
     sliver_pull_[d].assign(open->without_convection(d).size(), 0.0);
     for (const Following& s : slivers_[d]) {

@@ -80,6 +80,7 @@ class Predictor {
     std::vector<std::pair<std::ptrdiff_t, double>> of;  // shares of other faces' velocities
   };
   std::array<std::vector<Following>, 3> slivers_;
+  bool slivers_look_beyond_ = false;  // on any rank: at other faces than solved ones of its own
   struct OfWalls {
     std::ptrdiff_t face;
     double per_viscosity, share_above;  // K'; share of the upper cell in the face's viscosity

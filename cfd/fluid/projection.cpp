@@ -31,10 +31,13 @@ inline void Projection::conductance_component(const FluidState& state, const Ine
     const double *e = state.eps_f[d].data() + m, *share = inertia_share.data() + m;
     double* __restrict g = conductance[d].data() + m;
     inertia.row(d, m, share, exchange.beta_row(d, x[0], x[1], x[2], n, row_b_.data()), n, A);
-    for (int i = 0; i < n; ++i) g[i] = e[i] / A[i] * row.area(i) * row.inverse_width[i];
-    if (!open) return;
-    const double* theta = open->theta_f()[d].data() + m;  // 0: closed
-    for (int i = 0; i < n; ++i) g[i] *= theta[i];
+    if (open) {
+      const double* theta = open->theta_f()[d].data() + m;  // 0: closed
+#pragma GCC ivdep
+      for (int i = 0; i < n; ++i) g[i] = e[i] / A[i] * row.area(i) * row.inverse_width[i] * theta[i];
+    } else {
+      for (int i = 0; i < n; ++i) g[i] = e[i] / A[i] * row.area(i) * row.inverse_width[i];
+    }
   });
 }
 

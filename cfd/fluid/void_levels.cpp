@@ -13,6 +13,20 @@ TWOGRID_VECTORISED void void_fraction_at(const VoidFractionInTime& eps, double s
   for (std::size_t m = 0; m < n; ++m) out[m] = path.at(first + std::ptrdiff_t(m), s, interval);
 }
 
+TWOGRID_VECTORISED void multiply(std::size_t n, const double* share, double* __restrict values) {
+  for (std::size_t m = 0; m < n; ++m) values[m] *= share[m];
+}
+
+/// The same, after the values have been copied to `whole`.
+TWOGRID_VECTORISED void multiply(std::size_t n, const double* share, double* __restrict values,
+                                 double* __restrict whole) {
+#pragma GCC ivdep
+  for (std::size_t m = 0; m < n; ++m) {
+    const double value = values[m];
+    whole[m] = value, values[m] = value * share[m];
+  }
+}
+
 }  // namespace
 
 void set_face_eps(const FluidDomain& domain, FluidState& state) {
@@ -27,8 +41,11 @@ void set_face_eps(const FluidDomain& domain, FluidState& state) {
 void take_open_part(const FluidDomain& domain, CellField<FineGrid>& eps, CellField<FineGrid>* whole) {
   const OpenShares* open = domain.measures.open();
   if (!open) return;
-  if (whole) *whole = eps;
-  for (std::size_t m = 0; m < eps.size(); ++m) eps.data()[m] *= open->theta().data()[m];
+  if (whole && !(whole->box() == eps.box())) whole->reset(eps.box());
+  if (whole)
+    multiply(eps.size(), open->theta().data(), eps.data(), whole->data());
+  else
+    multiply(eps.size(), open->theta().data(), eps.data());
 }
 
 void next_level(const FluidDomain& domain, const VoidFractionInTime& eps, double s, double interval,

@@ -24,17 +24,21 @@ class OpenRows {
   template <class Open>
   OpenRows(const Box& box, int group, Open&& open) : lo_(box.lo), n1_(box.size(1)) {
     if (box.empty()) return;
-    part_.reserve(std::size_t(n1_) * box.size(2));
+    for (auto* parts : {&part_, &bare_}) parts->reserve(std::size_t(n1_) * box.size(2));
     for (int k = box.lo[2]; k < box.hi[2]; ++k)
       for (int j = box.lo[1]; j < box.hi[1]; ++j) {
         int begin = box.lo[0], end = box.hi[0];
         while (begin < end && !open(begin, j, k)) ++begin;
         while (end > begin && !open(end - 1, j, k)) --end;
+        bare_.push_back({begin, end});
         part_.push_back(grouped({begin, end}, group, box.lo[0], box.hi[0]));
       }
   }
 
   const Part& at(int j, int k) const { return part_[(j - lo_[1]) + std::size_t(n1_) * (k - lo_[2])]; }
+
+  /// Without what makes the groups whole.
+  const Part& bare(int j, int k) const { return bare_[(j - lo_[1]) + std::size_t(n1_) * (k - lo_[2])]; }
 
   std::ptrdiff_t count() const {
     std::ptrdiff_t sum = 0;
@@ -59,7 +63,7 @@ class OpenRows {
 
   Int3 lo_{0, 0, 0};
   int n1_ = 0;
-  std::vector<Part> part_;
+  std::vector<Part> part_, bare_;
 };
 
 }  // namespace twogrid

@@ -1,6 +1,7 @@
 #include "cfd/measures/open_shares.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "cfd/measures/grid_measures.h"
 #include "cfd/parallel/vectorised.h"
@@ -13,8 +14,14 @@ double mean(double low, double high, double share_of_high) {
   return low + share_of_high * (high - low);
 }
 
-TWOGRID_VECTORISED void multiply(std::size_t n, const double* a, const double* b, double* __restrict product) {
-  for (std::size_t m = 0; m < n; ++m) product[m] = a[m] * b[m];
+/// product = share times values. A share of -1 is that of faces among closed cells, whose value is 0: both become 1.
+TWOGRID_VECTORISED void take_shares(std::size_t n, const double* share, double* __restrict values,
+                                    double* __restrict product) {
+#pragma GCC ivdep
+  for (std::size_t m = 0; m < n; ++m) {
+    const double s = share[m], least = -s, v = values[m] > least ? values[m] : least;
+    values[m] = v, product[m] = std::abs(s) * v;
+  }
 }
 
 }  // namespace
@@ -51,11 +58,9 @@ OpenShares::OpenShares(const GridMeasures& measures, const Box& local, const Box
           runs.push_back({m, 1});
       };
       append(closed_runs_[d]);
-      if (open > 0)
-        open_beside_[d].push_back({std::ptrdiff_t(m), 1 / open});
-      else
-        append(enclosed_[d]);
-      open = ratio_[d].data()[m] = 0;
+      ratio_[d].data()[m] = open > 0 ? 0 : -1;
+      if (open > 0) open_beside_[d].push_back({std::ptrdiff_t(m), 1 / open});
+      open = 0;
     }
   }
   if (held.blown_body[0].size() > 0) list_blown(held);
@@ -191,10 +196,8 @@ void OpenShares::set_uncut(const GridMeasures& measures, const Box& local, const
 void OpenShares::flux_share(FaceField<FineGrid>& i_f, FaceField<FineGrid>& phi_f) const {
   for (int d = 0; d < 3; ++d) {
     double *i = i_f[d].data(), *phi = phi_f[d].data();
-    multiply(ratio_[d].size(), ratio_[d].data(), i, phi);
+    take_shares(ratio_[d].size(), ratio_[d].data(), i, phi);
     for (const auto& beside : open_beside_[d]) i[beside.first] = phi[beside.first] = i[beside.first] * beside.second;
-    for (const Run& run : enclosed_[d])
-      for (double* f : {i, phi}) std::fill_n(f + run.first, run.length, 1.0);
   }
 }
 

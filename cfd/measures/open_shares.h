@@ -140,7 +140,7 @@ class OpenShares {
   const CellField<FineGrid>& theta() const { return theta_; }
   /// theta_f of faces that are open at all, 0 of closed ones.
   const FaceField<FineGrid>& theta_f() const { return theta_f_; }
-  /// alpha/theta_f, 0 of closed faces.
+  /// alpha/theta_f; of closed faces 0, or -1 where no open cell is beside them.
   const FaceField<FineGrid>& ratio() const { return ratio_; }
   /// alpha of a face by memory index.
   double alpha(int d, std::ptrdiff_t m) const { return ratio_[d].data()[m] * theta_f_[d].data()[m]; }
@@ -208,9 +208,9 @@ class OpenShares {
   struct Run {
     std::ptrdiff_t first, length;
   };
-  std::array<std::vector<Run>, 3> closed_runs_, enclosed_;  // the same faces; those of them without an open cell beside
+  std::array<std::vector<Run>, 3> closed_runs_;  // the same faces
   using OpenBeside = std::vector<std::pair<std::ptrdiff_t, double>>;
-  std::array<OpenBeside, 3> open_beside_;  // the others, and 1/theta_f
+  std::array<OpenBeside, 3> open_beside_;  // those of them with an open cell beside, and 1/theta_f
   std::array<Exceptions, 3> centre_, viscous_, wall_velocity_, drift_;
   std::vector<OpenSpace::Beside> beside_;
   /// A number that walls which blow have a part in.

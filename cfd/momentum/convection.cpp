@@ -37,8 +37,11 @@ inline double transported_along(const double* v, const double* e, std::ptrdiff_t
   const std::ptrdiff_t below = lower - s, upper = lower + s, above = upper + s;
   const double change = v[upper] - v[lower];
   const double by_eps = explained(change, 0.5 * (e[lower] * v[lower] + e[upper] * v[upper]), e[lower], e[upper]);
-  const double b0 = up ? v[below] : v[upper], b1 = up ? v[lower] : v[above];
-  const double e0 = up ? e[below] : e[upper], e1 = up ? e[lower] : e[above];
+  // All are read, whichever counts: else a loop would not vectorise.
+  const double v0 = v[below], v1 = v[lower], v2 = v[upper], v3 = v[above];
+  const double f0 = e[below], f1 = e[lower], f2 = e[upper], f3 = e[above];
+  const double b0 = up ? v0 : v2, b1 = up ? v1 : v3;
+  const double e0 = up ? f0 : f2, e1 = up ? f1 : f3;
   const double behind = b1 - b0 - explained(b1 - b0, 0.5 * (e0 * b0 + e1 * b1), e0, e1);
   const double half =
       0.5 * (by_eps + limited_change(dist, (change - by_eps) * inverse, behind * (up ? inverse_below : inverse_above)));
@@ -64,6 +67,7 @@ ConvectionTerm::ConvectionTerm(const FineGrid& grid, const GridMeasures& measure
 
 void ConvectionTerm::list_cut_sides(const OpenShares& open) {
   const auto& theta = open.theta();
+  central_.reset(local_, 0);
   for (int c = 0; c < 3; ++c)
     for (int d = 0; d < 3; ++d) {
       if (!solved_[c] || !solved_[d] || faces_[c].empty()) continue;
@@ -82,15 +86,10 @@ void ConvectionTerm::list_cut_sides(const OpenShares& open) {
         const std::ptrdiff_t other = m - (c == d ? s : theta.stride(c));
         if (!(open.alpha(d, m) > 0 || open.alpha(d, other) > 0)) return;
         const bool between = cut(m - s), above = m + s < std::ptrdiff_t(theta.size()) && cut(m);
-        const int when =
-            (between || cut(m - 2 * s) ? CutSides::kFlowUp : 0) | (between || above ? CutSides::kFlowDown : 0);
-        if (when == 0) return;
         if (between) list_moving_side(open, c, d, x, m);
-        CutSides& sides = cut_sides_[c][d];
-        sides.at.push_back(m), sides.when.push_back(when);
-        for (int e = 0; e < 3; ++e) sides.index[e].push_back(x[e]);
+        if (between || cut(m - 2 * s)) central_.data()[m] |= central_if(c, d, true);
+        if (between || above) central_.data()[m] |= central_if(c, d, false);
       });
-      change_.resize(std::max(change_.size(), cut_sides_[c][d].at.size()));
     }
 }
 
@@ -127,7 +126,8 @@ struct ConvectionTerm::Convected {
 };
 
 /// q = mass flux times velocity through the low side in d of the volumes (i.., j, k) of component c.
-template <int c, int d, bool limited>
+/// cut: where the limiter would compare a slope with one to a wall, or through one, the mean of the two faces is taken.
+template <int c, int d, bool limited, bool cut>
 inline void ConvectionTerm::side_row(const Convected& a, int i, int j, int k, int count, double* __restrict q) const {
   constexpr int e = c == d ? (c + 1) % 3 : 3 - c - d, f = (c + 2) % 3;  // transverse directions
   const Int3 x{i, j, k};
@@ -137,6 +137,8 @@ inline void ConvectionTerm::side_row(const Convected& a, int i, int j, int k, in
   const double *v = a.u[c].data() + m, *eps = a.eps_f[d].data() + m, *through = a.u[d].data() + m;
   const auto F = [eps, through](std::ptrdiff_t t) { return eps[t] * through[t]; };
   const double rho = a.rho;
+  const long long* central = cut ? central_.data() + m : nullptr;
+  constexpr long long flow_up = central_if(c, d, true), flow_down = central_if(c, d, false);
   const auto we = along_row<e>(ae.width_, x[e] - ae.lo);
   // Sides on, or beyond, the domain's.
   const int first = 0, last = c == d ? n_[d] + 1 : n_[d];
@@ -166,13 +168,16 @@ inline void ConvectionTerm::side_row(const Convected& a, int i, int j, int k, in
     const auto dist = along_row<c>(ac.width_, o);
     const auto below = along_row<c>(ac.inverse_width_, o - 1), inverse = along_row<c>(ac.inverse_width_, o),
                above = along_row<c>(ac.inverse_width_, o + 1);
+#pragma GCC ivdep
     for (int t = begin; t < end; ++t) {
       const double flow = 0.5 * (F(t - s) + F(t)) * we[t] * wf[t];
-      double value;
+      double value = 0;
       if constexpr (limited)
         value = transported_along(v, eps, t - s, s, flow >= 0, below[t], dist[t], inverse[t], above[t]);
-      else
-        value = v[t - s] + (v[t] - v[t - s]) * (0.5 * dist[t] * inverse[t]);
+      if constexpr (!limited || cut) {
+        const double mean = v[t - s] + (v[t] - v[t - s]) * (0.5 * dist[t] * inverse[t]);
+        value = !limited || (central[t] & (flow >= 0 ? flow_up : flow_down)) != 0 ? mean : value;
+      }
       q[t] = rho * flow * value;
     }
   } else {
@@ -181,17 +186,22 @@ inline void ConvectionTerm::side_row(const Convected& a, int i, int j, int k, in
     const auto below = along_row<d>(ad.inverse_face_width_, o - 1), inverse = along_row<d>(ad.inverse_face_width_, o),
                above = along_row<d>(ad.inverse_face_width_, o + 1);
     const auto w_lower = along_row<d>(ad.width_, o - 1), w_upper = along_row<d>(ad.width_, o);
+#pragma GCC ivdep
     for (int t = begin; t < end; ++t) {
       const double flow = (F(t - sc) * hb[t] + F(t) * ha[t]) * we[t];
       const double slope = (v[t] - v[t - s]) * inverse[t];
-      double value;
+      double value = 0;
       if constexpr (limited) {
         const bool up = flow >= 0;
-        const double behind = ((up ? v[t - s] : v[t + s]) - (up ? v[t - 2 * s] : v[t])) * (up ? below[t] : above[t]);
-        const double change = limited_change(0.5 * (up ? w_lower[t] : w_upper[t]), slope, behind);
+        const double v0 = v[t - 2 * s], v1 = v[t - s], v2 = v[t], v3 = v[t + s], inverse_0 = below[t],
+                     inverse_1 = above[t], width_0 = w_lower[t], width_1 = w_upper[t];
+        const double behind = (up ? v1 - v0 : v3 - v2) * (up ? inverse_0 : inverse_1);
+        const double change = limited_change(0.5 * (up ? width_0 : width_1), slope, behind);
         value = up ? v[t - s] + change : v[t] - change;
-      } else {
-        value = v[t - s] + slope * (0.5 * w_lower[t]);
+      }
+      if constexpr (!limited || cut) {
+        const double mean = v[t - s] + slope * (0.5 * w_lower[t]);
+        value = !limited || (central[t] & (flow >= 0 ? flow_up : flow_down)) != 0 ? mean : value;
       }
       q[t] = rho * flow * value;
     }
@@ -205,7 +215,7 @@ inline OpenRows::Part ConvectionTerm::part(int c, int j, int k) const {
 }
 
 /// whole: all rows have their whole length.
-template <int c, bool limited, bool whole>
+template <int c, bool limited, bool whole, bool cut>
 inline void ConvectionTerm::convect_component(const Convected& a, Array3<double>& out) {
   using Part = OpenRows::Part;
   const Box b = faces_[c];
@@ -222,31 +232,33 @@ inline void ConvectionTerm::convect_component(const Convected& a, Array3<double>
     for (int j = b.lo[1]; j < b.hi[1]; ++j) {
       const Part p = part_of(j, b.lo[2]);
       if (whole || p.size() > 0)
-        side_row<c, 2, limited>(a, p.begin, j, b.lo[2], p.size(), z_row(z_low, j) + (p.begin - first));
+        side_row<c, 2, limited, cut>(a, p.begin, j, b.lo[2], p.size(), z_row(z_low, j) + (p.begin - first));
     }
   for (int k = b.lo[2]; k < b.hi[2]; ++k) {
     const Part lowest = part_of(b.lo[1], k);
     if (solved_[1] && (whole || lowest.size() > 0))
-      side_row<c, 1, limited>(a, lowest.begin, b.lo[1], k, lowest.size(), y_low + (lowest.begin - first));
+      side_row<c, 1, limited, cut>(a, lowest.begin, b.lo[1], k, lowest.size(), y_low + (lowest.begin - first));
     for (int j = b.lo[1]; j < b.hi[1]; ++j) {
       // A side is computed as far as the row below it or the one above it needs it.
       const Part p = part_of(j, k);
       const int at = p.begin - first, n = p.size();
       double* o = out.data() + out.index(p.begin, j, k);
       if (solved_[0] && (whole || n > 0)) {
-        side_row<c, 0, limited>(a, p.begin, j, k, n + 1, x_side);
+        side_row<c, 0, limited, cut>(a, p.begin, j, k, n + 1, x_side);
         for (int i = 0; i < n; ++i) o[i] -= x_side[i + 1] - x_side[i];
       }
       if (solved_[1]) {
         const Part q = both(p, j + 1, k);
-        if (whole || q.size() > 0) side_row<c, 1, limited>(a, q.begin, j + 1, k, q.size(), y_high + (q.begin - first));
+        if (whole || q.size() > 0)
+          side_row<c, 1, limited, cut>(a, q.begin, j + 1, k, q.size(), y_high + (q.begin - first));
         for (int i = 0; i < n; ++i) o[i] -= y_high[at + i] - y_low[at + i];
         std::swap(y_low, y_high);
       }
       if (solved_[2]) {
         double *low = z_row(z_low, j), *high = z_row(z_high, j);
         const Part q = both(p, j, k + 1);
-        if (whole || q.size() > 0) side_row<c, 2, limited>(a, q.begin, j, k + 1, q.size(), high + (q.begin - first));
+        if (whole || q.size() > 0)
+          side_row<c, 2, limited, cut>(a, q.begin, j, k + 1, q.size(), high + (q.begin - first));
         for (int i = 0; i < n; ++i) o[i] -= high[at + i] - low[at + i];
       }
     }
@@ -259,8 +271,9 @@ void ConvectionTerm::add(double rho, const FaceField<FineGrid>& eps_f, const Fac
   if (scheme == Convection::kNone || own_.empty()) return;
   const Convected a{rho, eps_f, u};
   if (scheme == Convection::kVanLeer) {
-    rows_[0] ? convect_limited_between_bodies(a, out) : convect_limited(a, out);
-    if (!change_.empty()) centre_cut_sides(a, out);
+    central_.size() > 0 ? convect_limited_beside_links(a, out)
+    : rows_[0]          ? convect_limited_between_bodies(a, out)
+                        : convect_limited(a, out);
   } else {
     rows_[0] ? convect_central_between_bodies(a, out) : convect_central(a, out);
   }
@@ -281,93 +294,33 @@ void ConvectionTerm::carry_walls(const Convected& a, FaceField<FineGrid>& out) c
 }
 
 TWOGRID_VECTORISED void ConvectionTerm::convect_limited(const Convected& a, FaceField<FineGrid>& out) {
-  if (solved_[0]) convect_component<0, true, true>(a, out[0]);
-  if (solved_[1]) convect_component<1, true, true>(a, out[1]);
-  if (solved_[2]) convect_component<2, true, true>(a, out[2]);
+  if (solved_[0]) convect_component<0, true, true, false>(a, out[0]);
+  if (solved_[1]) convect_component<1, true, true, false>(a, out[1]);
+  if (solved_[2]) convect_component<2, true, true, false>(a, out[2]);
 }
 
 TWOGRID_VECTORISED void ConvectionTerm::convect_limited_between_bodies(const Convected& a, FaceField<FineGrid>& out) {
-  if (solved_[0]) convect_component<0, true, false>(a, out[0]);
-  if (solved_[1]) convect_component<1, true, false>(a, out[1]);
-  if (solved_[2]) convect_component<2, true, false>(a, out[2]);
+  if (solved_[0]) convect_component<0, true, false, false>(a, out[0]);
+  if (solved_[1]) convect_component<1, true, false, false>(a, out[1]);
+  if (solved_[2]) convect_component<2, true, false, false>(a, out[2]);
+}
+
+TWOGRID_VECTORISED void ConvectionTerm::convect_limited_beside_links(const Convected& a, FaceField<FineGrid>& out) {
+  if (solved_[0]) convect_component<0, true, false, true>(a, out[0]);
+  if (solved_[1]) convect_component<1, true, false, true>(a, out[1]);
+  if (solved_[2]) convect_component<2, true, false, true>(a, out[2]);
 }
 
 TWOGRID_VECTORISED void ConvectionTerm::convect_central(const Convected& a, FaceField<FineGrid>& out) {
-  if (solved_[0]) convect_component<0, false, true>(a, out[0]);
-  if (solved_[1]) convect_component<1, false, true>(a, out[1]);
-  if (solved_[2]) convect_component<2, false, true>(a, out[2]);
+  if (solved_[0]) convect_component<0, false, true, false>(a, out[0]);
+  if (solved_[1]) convect_component<1, false, true, false>(a, out[1]);
+  if (solved_[2]) convect_component<2, false, true, false>(a, out[2]);
 }
 
 TWOGRID_VECTORISED void ConvectionTerm::convect_central_between_bodies(const Convected& a, FaceField<FineGrid>& out) {
-  if (solved_[0]) convect_component<0, false, false>(a, out[0]);
-  if (solved_[1]) convect_component<1, false, false>(a, out[1]);
-  if (solved_[2]) convect_component<2, false, false>(a, out[2]);
-}
-
-/// Where the limiter would compare a slope with one to a wall, or through one, the mean of the two faces is taken. As in
-/// side_row(), for sides of a list.
-template <int c, int d>
-inline void ConvectionTerm::centre_cut_sides(const Convected& a, Array3<double>& out) {
-  constexpr int e = c == d ? (c + 1) % 3 : 3 - c - d, f = (c + 2) % 3;
-  const CutSides& sides = cut_sides_[c][d];
-  const std::size_t n = sides.at.size();
-  const std::ptrdiff_t s = out.stride(d), sc = out.stride(c);
-  const AxisMeasure &ac = axis_[c], &ad = axis_[d], &ae = axis_[e], &af = axis_[f];
-  const double *v = a.u[c].data(), *eps = a.eps_f[d].data(), *through = a.u[d].data();
-  const std::ptrdiff_t* at = sides.at.data();
-  const int *when = sides.when.data(), *along = sides.index[d].data(), *across = sides.index[c].data();
-  const double* we = ae.width_.data();
-  const int *in_e = sides.index[e].data(), lo_e = ae.lo;
-  double* __restrict change = change_.data();
-  const double rho = a.rho;
-  const auto F = [eps, through](std::ptrdiff_t m) { return eps[m] * through[m]; };
-  if constexpr (c == d) {
-    const double *inverse = ac.inverse_width_.data(), *dist = ac.width_.data(), *wf = af.width_.data();
-    const int *in_f = sides.index[f].data(), lo_f = af.lo, lo = ac.lo + 1;
-#pragma GCC ivdep
-    for (std::size_t q = 0; q < n; ++q) {
-      const std::ptrdiff_t m = at[q];
-      const int o = along[q] - lo;
-      const double flow = 0.5 * (F(m - s) + F(m)) * we[in_e[q] - lo_e] * wf[in_f[q] - lo_f];
-      const bool up = flow >= 0;
-      // All at once, not as the flow goes: the loop stays one without branches.
-      const double vv[4] = {v[m - 2 * s], v[m - s], v[m], v[m + s]};
-      const double ee[4] = {eps[m - 2 * s], eps[m - s], eps[m], eps[m + s]};
-      const double below = inverse[o - 1], here = inverse[o], above = inverse[o + 1], length = dist[o];
-      const double limited = transported_along(vv, ee, 1, 1, up, below, length, here, above);
-      const double central = vv[1] + (vv[2] - vv[1]) * (0.5 * length * here);
-      const int now = up ? CutSides::kFlowUp : CutSides::kFlowDown;
-      change[q] = (when[q] & now) != 0 ? rho * flow * central - rho * flow * limited : 0.0;
-    }
-  } else {
-    const double *half_below = ac.half_below_.data(), *half_above = ac.half_above_.data();
-    const double *inverse = ad.inverse_face_width_.data(), *width = ad.width_.data();
-    const int lo_c = ac.lo, lo = ad.lo;
-#pragma GCC ivdep
-    for (std::size_t q = 0; q < n; ++q) {
-      const std::ptrdiff_t m = at[q];
-      const int o = along[q] - lo, oc = across[q] - lo_c;
-      const double flow = (F(m - sc) * half_below[oc] + F(m) * half_above[oc]) * we[in_e[q] - lo_e];
-      const bool up = flow >= 0;
-      const double v0 = v[m - 2 * s], v1 = v[m - s], v2 = v[m], v3 = v[m + s];
-      const double below = inverse[o - 1], here = inverse[o], above = inverse[o + 1], lower = width[o - 1],
-                   upper = width[o];
-      const double slope = (v2 - v1) * here, behind = (up ? v1 - v0 : v3 - v2) * (up ? below : above);
-      const double towards = limited_change(0.5 * (up ? lower : upper), slope, behind);
-      const double limited = up ? v1 + towards : v2 - towards;
-      const double central = v1 + slope * (0.5 * lower);
-      const int now = up ? CutSides::kFlowUp : CutSides::kFlowDown;
-      change[q] = (when[q] & now) != 0 ? rho * flow * central - rho * flow * limited : 0.0;
-    }
-  }
-  double* o = out.data();
-  for (std::size_t q = 0; q < n; ++q) o[at[q]] += change[q], o[at[q] - s] -= change[q];
-}
-
-TWOGRID_VECTORISED void ConvectionTerm::centre_cut_sides(const Convected& a, FaceField<FineGrid>& out) {
-  centre_cut_sides<0, 0>(a, out[0]), centre_cut_sides<0, 1>(a, out[0]), centre_cut_sides<0, 2>(a, out[0]);
-  centre_cut_sides<1, 0>(a, out[1]), centre_cut_sides<1, 1>(a, out[1]), centre_cut_sides<1, 2>(a, out[1]);
-  centre_cut_sides<2, 0>(a, out[2]), centre_cut_sides<2, 1>(a, out[2]), centre_cut_sides<2, 2>(a, out[2]);
+  if (solved_[0]) convect_component<0, false, false, false>(a, out[0]);
+  if (solved_[1]) convect_component<1, false, false, false>(a, out[1]);
+  if (solved_[2]) convect_component<2, false, false, false>(a, out[2]);
 }
 
 double ConvectionTerm::convected_through(int c, int i, int j, int k, double rho, const FaceField<FineGrid>& eps_f,

@@ -30,18 +30,16 @@ class ConvectionTerm {
 
  private:
   struct Convected;  // what is convected, and by what
-  template <int c, int d, bool limited>
+  template <int c, int d, bool limited, bool cut>
   void side_row(const Convected& a, int i, int j, int k, int count, double* q) const;
-  template <int c, bool limited, bool whole>
+  template <int c, bool limited, bool whole, bool cut>
   void convect_component(const Convected& a, Array3<double>& out);
   void convect_limited(const Convected& a, FaceField<FineGrid>& out);
   void convect_central(const Convected& a, FaceField<FineGrid>& out);
   void convect_limited_between_bodies(const Convected& a, FaceField<FineGrid>& out);
   void convect_central_between_bodies(const Convected& a, FaceField<FineGrid>& out);
   void list_cut_sides(const OpenShares& open);
-  void centre_cut_sides(const Convected& a, FaceField<FineGrid>& out);
-  template <int c, int d>
-  void centre_cut_sides(const Convected& a, Array3<double>& out);
+  void convect_limited_beside_links(const Convected& a, FaceField<FineGrid>& out);
   void list_moving_side(const OpenShares& open, int c, int d, const Int3& upper, std::ptrdiff_t m);
   void carry_walls(const Convected& a, FaceField<FineGrid>& out) const;
 
@@ -54,14 +52,10 @@ class ConvectionTerm {
   std::array<AxisMeasure, 3> axis_;
   std::array<bool, 3> periodic_;
   Int3 n_;
-  /// Sides of volumes whose limiter would look at a wall: beyond the lower or the upper face, or between them.
-  struct CutSides {
-    enum When : int { kFlowUp = 1, kFlowDown = 2 };
-    std::vector<std::ptrdiff_t> at;         // memory index of the upper face
-    std::array<std::vector<int>, 3> index;  // its index
-    std::vector<int> when;                  // flow up and/or down: the limiter would look at the wall then
-  };
-  std::array<std::array<CutSides, 3>, 3> cut_sides_;  // of component c, normal to d
+  /// Bits of faces: the limiter of the side below in d of a volume of component c would look at a wall, where the flow
+  /// goes up or down. Of size 0: nowhere.
+  static constexpr long long central_if(int c, int d, bool up) { return 1LL << (2 * (3 * c + d) + (up ? 0 : 1)); }
+  Array3<long long> central_;
   /// A side between an open and a closed face, whose velocity is that of a wall that moves along itself.
   struct MovingSide {
     std::ptrdiff_t upper, other;  // faces: of the component; the second that carries through the side
@@ -72,7 +66,6 @@ class ConvectionTerm {
     void move(double velocity) { here = half_here * (part * velocity), there = half_there * (part * velocity); }
   };
   std::array<std::array<std::vector<MovingSide>, 3>, 3> moving_sides_;
-  std::vector<double> change_;               // scratch: of a list of cut sides
   std::array<std::vector<double>, 3> side_;  // scratch: fluxes through the sides of a row, two rows, two slabs
 };
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <memory>
 #include <vector>
 
@@ -34,22 +35,36 @@ class ViscousTerm {
   void diagonal(const Property& mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
 
  private:
-  using Slab = std::vector<double>;
+  /// Values at one z. Beside bodies a row holds those of its part alone, and zero elsewhere.
+  struct Slab {
+    std::vector<double> value;
+    std::vector<OpenRows::Part> part;  // of each row; empty without bodies
+    double* data() { return value.data(); }
+    const double* data() const { return value.data(); }
+    void swap(Slab& other) { value.swap(other.value), part.swap(other.part); }
+  };
+  void list_rows(const OpenShares& open);
+  OpenRows::Part take_part(const OpenRows& rows, int j, int k, std::initializer_list<Slab*> slabs) const;
   struct Uniform;
   struct Varying;
   void add_uniform(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
   void add_varying(const CellField<FineGrid>& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
                    FaceField<FineGrid>& out);
-  template <class Mu>
+  void add_uniform_between_bodies(double mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u,
+                                  FaceField<FineGrid>& out);
+  void add_varying_between_bodies(const CellField<FineGrid>& mu, const CellField<FineGrid>& eps,
+                                  const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
+  // whole: all rows have their whole length.
+  template <bool whole, class Mu>
   void add_with(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, FaceField<FineGrid>& out);
   template <class Mu>
   void diagonal_with(const Mu& mu, const CellField<FineGrid>& eps, FaceField<FineGrid>& diagonal) const;
   double cut_share(int c, const Int3& x, std::ptrdiff_t m) const;
-  template <class Mu>
+  template <bool whole, class Mu>
   void normal_stresses(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k);
-  template <int t, class Mu>
+  template <int t, bool whole, class Mu>
   void shear_stress(const Mu& mu, const CellField<FineGrid>& eps, const FaceField<FineGrid>& u, int k, Slab& out) const;
-  template <int c>
+  template <int c, bool whole>
   void add_stress(int k, Array3<double>& out) const;
 
   const GridMeasures& measures_;
@@ -64,6 +79,9 @@ class ViscousTerm {
   Slab normal_below_;
   std::array<Slab, 2> shear_above_;
   std::unique_ptr<CutLinks> cut_;
+  // Of cut_: parts of rows of cells and edges with stresses, of the faces that feel them.
+  OpenRows stressed_cells_;
+  std::array<OpenRows, 3> stressed_edges_, stressed_faces_;
 };
 
 }  // namespace twogrid

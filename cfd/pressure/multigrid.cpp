@@ -214,7 +214,7 @@ std::unique_ptr<const OpenRows> open_rows(const std::vector<MultigridLevel<T>>& 
   Array3<char> open(level.own, 0);
   for (int k = fine.own.lo[2]; k < fine.own.hi[2]; ++k)
     for (int j = fine.own.lo[1]; j < fine.own.hi[1]; ++j) {
-      const OpenRows::Part p = fine.open->at(j, k);
+      const OpenRows::Part p = fine.open->bare(j, k);
       for (int i = p.begin; i < p.end; ++i)
         open(fine.parent[0][i - fine.own.lo[0]], fine.parent[1][j - fine.own.lo[1]],
              fine.parent[2][k - fine.own.lo[2]]) = 1;
@@ -264,6 +264,8 @@ Multigrid<T>::Multigrid(MPI_Comm comm, const Grid& grid, const Layout& layout, c
       lines[d] = coarse_line(lines[d], parents[d]);
     }
   }
+  for (std::size_t l = 0; l < levels_.size(); ++l)
+    levels_[l].list_rows(l + 1 < levels_.size() ? &levels_[l + 1] : nullptr);
   const Int3& n = levels_.back().n;
   if (layout.ranks() > 1 && double(n[0]) * n[1] * n[2] > kDirect)
     gathered_ = std::make_unique<Gathered>(comm, levels_.back(), lines, halo);

@@ -38,6 +38,15 @@ struct MultigridLevel {
   std::array<Array3<T>, 3> w;              // the second parent's weight
   std::vector<T> stripes;                  // 1, 0, 1, 0 ...: tells the colours of a row apart
   std::vector<T> row;                      // scratch, one value a cell of a row
+  /// A row of own cells, as far as it is open.
+  struct Row {
+    int first, n, cell;              // memory index of its first cell, number, and that cell's index less own.lo
+    int colour;                      // of the first cell
+    int bare_begin, bare_end;        // of the cells, those that are not there to make groups whole
+    int coarse = 0;                  // memory index of the coarse row's zeroth cell
+    int beside_y = 0, beside_z = 0;  // from there to the rows of the second parents
+  };
+  std::vector<Row> rows;
 
   MultigridLevel(MPI_Comm comm, int rank, std::vector<Box> boxes, Int3 extent, std::array<bool, 3> wrap,
                  const Int3& width)
@@ -172,54 +181,67 @@ struct MultigridLevel {
       }
   }
 
-  /// Calls f(j, k, first cell less own.lo, number of cells, memory index of the first, stripes of the colour from it on)
-  /// for each row of own cells, as far as it is open.
-  template <class F>
-  void whole_rows(int colour, F&& f) const {
-    if (own.empty()) return;  // else, with no cell in x, f would look for the colour of a row's first cell
-    if (!open) {
-      const int n0 = own.size(0);
-      for (int k = own.lo[2]; k < own.hi[2]; ++k)
-        for (int j = own.lo[1]; j < own.hi[1]; ++j)
-          f(j, k, 0, n0, x.index(own.lo[0], j, k), stripes.data() + ((own.lo[0] + j + k + colour) & 1));
-      return;
-    }
+  /// Once all that belongs to the levels is there. coarse: the next level; null on the last.
+  void list_rows(const MultigridLevel* coarse) {
+    if (own.empty()) return;
+    const OpenRows::Part all{own.lo[0], own.hi[0]};
     for (int k = own.lo[2]; k < own.hi[2]; ++k)
       for (int j = own.lo[1]; j < own.hi[1]; ++j) {
-        const OpenRows::Part p = open->at(j, k);
-        if (p.size() > 0)
-          f(j, k, p.begin - own.lo[0], p.size(), x.index(p.begin, j, k),
-            stripes.data() + ((p.begin + j + k + colour) & 1));
+        const OpenRows::Part p = open ? open->at(j, k) : all, bare = open ? open->bare(j, k) : all;
+        if (bare.size() == 0) continue;
+        Row r;
+        r.first = int(x.index(p.begin, j, k)), r.n = p.size();
+        r.colour = (p.begin + j + k) & 1;
+        r.bare_begin = bare.begin - p.begin, r.bare_end = bare.end - p.begin;
+        r.cell = p.begin - own.lo[0];
+        if (coarse) {
+          const int b = j - own.lo[1], c = k - own.lo[2];
+          r.coarse = int(coarse->x.index(0, parent[1][b], parent[2][c]));
+          r.beside_y = int(side[1][b] * coarse->x.stride(1)), r.beside_z = int(side[2][c] * coarse->x.stride(2));
+        }
+        rows.push_back(r);
       }
   }
+
+  /// Calls f(row, 0 if the row's first cell has the colour, else 1) for each row of own cells, as far as it is open.
+  template <class F>
+  void for_each_row(int colour, F&& f) const {
+    for (const Row& r : rows) f(r, (r.colour + colour) & 1);
+  }
+  /// The row's first cell of those of a colour that count.
+  static int first_of(const Row& r, int other) { return r.bare_begin + ((r.bare_begin + other) & 1); }
 
   /// x = b / diagonal: a Gauss-Seidel half sweep that starts from zero. Of both colours: that of the other is
   /// overwritten unread by the half sweep that follows, but for those across an odd seam, which are cleared.
   TWOGRID_VECTORISED void start(int colour) {
     const bool one = odd_seam;
-    whole_rows(colour, [&](int, int, int, int nx, std::ptrdiff_t m, const T* mine) {
-      const T *di = dinv.data() + m, *bb = b.data() + m;
-      T* __restrict xx = x.data() + m;
-      for (int i = 0; i < nx; ++i) xx[i] = di[i] * bb[i];
-      if (one)
-        for (int i = 0; i < nx; ++i) xx[i] *= mine[i];
+    for_each_row(colour, [&](const Row& w, int other) {
+      const T *di = dinv.data() + w.first, *bb = b.data() + w.first;
+      T* __restrict xx = x.data() + w.first;
+      for (int i = 0; i < w.n; ++i) xx[i] = di[i] * bb[i];
+      if (!one) return;
+      const T* mine = stripes.data() + other;
+      for (int i = 0; i < w.n; ++i) xx[i] *= mine[i];
     });
   }
 
-  /// Whole rows are computed, which vectorises, and one colour is kept.
+  /// Whole rows are computed, which vectorises, and one colour is kept: its cells have neighbours of the other alone.
   TWOGRID_VECTORISED void smooth(int colour) {
     const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
-    T* __restrict found = row.data();
-    whole_rows(colour, [&](int, int, int, int nx, std::ptrdiff_t m, const T* mine) {
+    for_each_row(colour, [&](const Row& w, int other) {
+      const std::ptrdiff_t m = w.first;
       const T *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *di = dinv.data() + m,
-              *bb = b.data() + m;
-      T* xx = x.data() + m;
+              *bb = b.data() + m, *mine = stripes.data() + other;
+      const T* xx = x.data() + m;
+      T* to = x.data() + m;
+      asm("" : "+r"(to));  // else the compiler would see one array, and keep the order of reads and writes
 #pragma GCC ivdep
-      for (int i = 0; i < nx; ++i)
-        found[i] = di[i] * (bb[i] + ((gx[i] * xx[i - 1] + gx[i + 1] * xx[i + 1]) +
-                                     (gy[i] * xx[i - sy] + gy[i + sy] * xx[i + sy]) +
-                                     (gz[i] * xx[i - sz] + gz[i + sz] * xx[i + sz])));
-      for (int i = 0; i < nx; ++i) xx[i] = mine[i] != 0 ? found[i] : xx[i];
+      for (int i = 0; i < w.n; ++i) {
+        const T found = di[i] * (bb[i] + ((gx[i] * xx[i - 1] + gx[i + 1] * xx[i + 1]) +
+                                          (gy[i] * xx[i - sy] + gy[i + sy] * xx[i + sy]) +
+                                          (gz[i] * xx[i - sz] + gz[i + sz] * xx[i + sz])));
+        to[i] = mine[i] != 0 ? found : xx[i];
+      }
     });
   }
 
@@ -229,7 +251,9 @@ struct MultigridLevel {
     const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
     T* __restrict r = row.data();
     T* cb = coarse.b.data();
-    whole_rows(colour, [&](int j, int k, int first, int nx, std::ptrdiff_t m, const T* mine) {
+    for_each_row(colour, [&](const Row& row_of, int other) {
+      const std::ptrdiff_t m = row_of.first;
+      const int nx = row_of.n;
       const T *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *bb = b.data() + m,
               *xx = x.data() + m;
 #pragma GCC ivdep
@@ -240,11 +264,10 @@ struct MultigridLevel {
                         (gz[i] * (xx[i - sz] - c) + gz[i + sz] * (xx[i + sz] - c)));
       }
       const T *wx = w[0].data() + m, *wy = w[1].data() + m, *wz = w[2].data() + m;
-      const int *to = parent[0].data() + first, *beside = side[0].data() + first;
-      T* row_b = cb + coarse.b.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
-      const std::ptrdiff_t oy = side[1][j - own.lo[1]] * coarse.b.stride(1),
-                           oz = side[2][k - own.lo[2]] * coarse.b.stride(2);
-      for (int i = mine[0] != 0 ? 0 : 1; i < nx; i += 2) {
+      const int *to = parent[0].data() + row_of.cell, *beside = side[0].data() + row_of.cell;
+      T* row_b = cb + row_of.coarse;
+      const std::ptrdiff_t oy = row_of.beside_y, oz = row_of.beside_z;
+      for (int i = first_of(row_of, other); i < row_of.bare_end; i += 2) {
         T* p = row_b + to[i];
         const T rx = wx[i] * r[i], ry = wy[i] * r[i], rz = wz[i] * r[i];
         *p += r[i] - (rx + ry + rz);
@@ -257,14 +280,13 @@ struct MultigridLevel {
 
   /// x += P coarse.x on the cells of one colour.
   TWOGRID_VECTORISED void prolong(int colour, const MultigridLevel& coarse) {
-    whole_rows(colour, [&](int j, int k, int first, int nx, std::ptrdiff_t m, const T* mine) {
-      const T* row_x = coarse.x.data() + coarse.x.index(0, parent[1][j - own.lo[1]], parent[2][k - own.lo[2]]);
-      const std::ptrdiff_t oy = side[1][j - own.lo[1]] * coarse.x.stride(1),
-                           oz = side[2][k - own.lo[2]] * coarse.x.stride(2);
+    for_each_row(colour, [&](const Row& row_of, int other) {
+      const std::ptrdiff_t m = row_of.first, oy = row_of.beside_y, oz = row_of.beside_z;
+      const T* row_x = coarse.x.data() + row_of.coarse;
       const T *wx = w[0].data() + m, *wy = w[1].data() + m, *wz = w[2].data() + m;
-      const int *from = parent[0].data() + first, *beside = side[0].data() + first;
+      const int *from = parent[0].data() + row_of.cell, *beside = side[0].data() + row_of.cell;
       T* xx = x.data() + m;
-      for (int i = mine[0] != 0 ? 0 : 1; i < nx; i += 2) {
+      for (int i = first_of(row_of, other); i < row_of.bare_end; i += 2) {
         const T *p = row_x + from[i], c = *p;
         xx[i] += c + ((wx[i] * (p[beside[i]] - c) + wy[i] * (p[oy] - c)) + wz[i] * (p[oz] - c));
       }

@@ -17,21 +17,43 @@ namespace twogrid {
 namespace {
 constexpr char kPrefix[] = "fluid_pressure_";
 
-/// y = -A x on the rows of own cells, as far as they are open: sum over faces of g (x_cell - x_neighbour). y has no halo.
-TWOGRID_VECTORISED void apply_operator(const Box& own, const OpenRows* open, const FaceField<FineGrid>& g,
-                                       const Array3<double>& x, double* y) {
+/// A row of own cells as far as it is open: memory index of its first cell, position in a Vec's local part, length.
+struct OpenRow {
+  std::ptrdiff_t m, v;
+  int n;
+};
+
+/// y = -A x on rows: sum over faces of g (x_cell - x_neighbour). y has no halo.
+TWOGRID_VECTORISED void apply_operator(const std::vector<OpenRow>& rows, const FaceField<FineGrid>& g,
+                                       const Array3<double>& x, double* y_all) {
   const std::ptrdiff_t sy = x.stride(1), sz = x.stride(2);
-  for_each_row(own, open, x, [&](const Int3&, std::ptrdiff_t m, int n) {
-    const double *gx = g[0].data() + m, *gy = g[1].data() + m, *gz = g[2].data() + m, *a = x.data() + m;
+  for (const OpenRow& row : rows) {
+    const double *gx = g[0].data() + row.m, *gy = g[1].data() + row.m, *gz = g[2].data() + row.m, *a = x.data() + row.m;
+    double* y = y_all + row.v;
 #pragma GCC ivdep
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < row.n; ++i) {
       const double c = a[i];
       y[i] = (gx[i] * (c - a[i - 1]) + gx[i + 1] * (c - a[i + 1])) +
              (gy[i] * (c - a[i - sy]) + gy[i + sy] * (c - a[i + sy])) +
              (gz[i] * (c - a[i - sz]) + gz[i + sz] * (c - a[i + sz]));
     }
-    y += n;  // cppcheck-suppress uselessAssignmentPtrArg ; the next row goes on there
-  });
+  }
+}
+
+TWOGRID_VECTORISED void to_floats(const std::vector<OpenRow>& rows, double scale, const double* from, float* to) {
+  for (const OpenRow& row : rows) {
+    const double* in = from + row.v;
+    float* __restrict out = to + row.m;
+    for (int i = 0; i < row.n; ++i) out[i] = float(scale * in[i]);
+  }
+}
+
+TWOGRID_VECTORISED void to_doubles(const std::vector<OpenRow>& rows, double scale, const float* from, double* to) {
+  for (const OpenRow& row : rows) {
+    const float* in = from + row.m;
+    double* __restrict out = to + row.v;
+    for (int i = 0; i < row.n; ++i) out[i] = scale * in[i];
+  }
 }
 
 /// The power of two next above x, 1 if x is zero.
@@ -50,6 +72,13 @@ class PressureSolver::Impl {
     own_ = layout.cells(rank);
     halo_ = SevenPointHalo(comm, layout.all_cells(), n_, grid.periodic(), halo);
     memory_ = own_.empty() ? Box{} : own_.grown(halo);
+    const auto list = [&](const auto& like, std::vector<OpenRow>& to) {
+      rows(like, [&](std::ptrdiff_t m, std::ptrdiff_t v, int n) {
+        if (n > 0) to.push_back({m, v, n});
+      });
+    };
+    list(Array3<char>(memory_), rows_);
+    list(multigrid_.b(), multigrid_rows_);
 
     const PetscInt local = PetscInt(open ? open->count() : own_.count());
     check(VecCreateMPI(comm, local, PETSC_DETERMINE, solution_.put()));
@@ -340,11 +369,11 @@ class PressureSolver::Impl {
     PetscScalar* to = nullptr;
     if ((error = VecGetArrayRead(x, &from))) return error;
     double* a = self->x_->data();
-    self->rows(*self->x_, [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) { std::copy_n(from + p, n, a + m); });
+    for (const OpenRow& row : self->rows_) std::copy_n(from + row.v, row.n, a + row.m);
     if ((error = VecRestoreArrayRead(x, &from))) return error;
     self->halo_.bring<double>({self->x_});
     if ((error = VecGetArrayWrite(y, &to))) return error;
-    if (!self->own_.empty()) apply_operator(self->own_, self->open_, *self->g_, *self->x_, to);
+    if (!self->own_.empty()) apply_operator(self->rows_, *self->g_, *self->x_, to);
     return VecRestoreArrayWrite(y, &to);
   }
 
@@ -356,19 +385,13 @@ class PressureSolver::Impl {
     const PetscScalar* from = nullptr;
     PetscScalar* to = nullptr;
     if ((error = VecGetArrayRead(r, &from))) return error;
-    auto* b = mg.b().data();
     // Both scaled by powers of two, so that single precision neither overflows nor vanishes.
     const double in = self->rhs_scale_, out = self->operator_scale_ / self->rhs_scale_;
-    self->rows(mg.b(), [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
-      for (int i = 0; i < n; ++i) b[m + i] = float(in * from[p + i]);
-    });
+    to_floats(self->multigrid_rows_, in, from, mg.b().data());
     if ((error = VecRestoreArrayRead(r, &from))) return error;
     mg.cycle();
     if ((error = VecGetArrayWrite(z, &to))) return error;
-    const auto* x = mg.x().data();
-    self->rows(mg.x(), [&](std::ptrdiff_t m, std::ptrdiff_t p, int n) {
-      for (int i = 0; i < n; ++i) to[p + i] = out * x[m + i];
-    });
+    to_doubles(self->multigrid_rows_, out, mg.x().data(), to);
     return VecRestoreArrayWrite(z, &to);
   }
 
@@ -403,6 +426,7 @@ class PressureSolver::Impl {
   FaceField<FineGrid> g_store_;       // these three: only where the caller's arrays can't be used in place
   CellField<FineGrid> x_store_;
   std::vector<double> b_store_;
+  std::vector<OpenRow> rows_, multigrid_rows_;  // in g_ and x_, in the multigrid's arrays
   Multigrid<float> multigrid_;  // a preconditioner: half the bytes, and rounding is put right by the iteration
   PetscVector rhs_, solution_;  // rhs_ is the caller's array
   PetscVector residual_;        // made when first needed

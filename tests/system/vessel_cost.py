@@ -18,7 +18,7 @@ import numpy as np
 from harness import Checks, Run, arguments, data_file, head_with_particles
 
 H = 1e-3
-MOST = 1.4  # 1.374 measured; wanted: 1.15
+MOST = 1.3  # 1.290 measured; wanted: 1.15. What the rest is: cfd/bodies/README.md
 
 
 def scene(axis, across, along, vessel, steps):
