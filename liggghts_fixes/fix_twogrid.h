@@ -120,8 +120,9 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   /// Share of the bed whose particles the fluid carries, 0 to 1; negative: not known, nothing blows. Collective.
   double carried_share();
   bool nothing_moves() const { return motion_.still; }
-  /// Step from which on a frame is due: none is written in a plan.
+  /// Step from which on a frame is due. None is written in a plan: those up to a step are taken for written.
   long long next_frame() { return schedule_.state().next_frame; }
+  void pass_frames(long long step) { schedule_.frame_written(step, script_.settings.output.every); }
   /// What a frame and the means take. Collective.
   PlannedOutput measure_output();
   /// So many DEM steps have been passed over.

@@ -109,6 +109,7 @@ void PlannedFiles::count_frames(long long from, long long to) {
     const bool is_first = next_frame_.try_emplace(out.file, 0).second && f->next_frame() <= from;
     const double frames = multiples(from, to, out.every) + (is_first ? 1 : 0);
     k.pieces += frames;
+    f->pass_frames(to);
     seconds_ += frames * cost.seconds;
   }
 }
