@@ -43,7 +43,7 @@ def beds(short):
     if short:
         return [(1, 6.0, kind) for kind in KINDS]
     main = [(n, U, kind) for n in (1, 2, 3) for U in (6.0, 9.0) for kind in ("two", "coarse", "fine")]
-    return main + [(1, U, kind) for U in (6.0, 9.0) for kind in ("two_jets", "coarse_velocity", "fine_exact")] + [(2, 9.0, "coarse_velocity")]
+    return main + [(1, U, kind) for U in (6.0, 9.0) for kind in ("two_jets", "coarse_velocity", "fine_exact")]
 
 
 def folder_of(out, n, U, kind):
