@@ -15,7 +15,7 @@ std::string quoted(const Body& b) {
   return "'" + b.name + "'";
 }
 
-/// Edges with fluid at both ends that a surface crosses: once (a sheet), or twice with no vertex around inside the body.
+/// Edges with fluid at both ends that a surface crosses: once (a sheet, unless a body only touches the edge), or twice; with no vertex around inside the body.
 struct Unresolved {
   long long count = 0, first = LLONG_MAX;  // first: the edge with the smallest number
   Vec3 place{0, 0, 0};
@@ -30,15 +30,17 @@ struct Unresolved {
   }
 };
 
-/// Whether a vertex of the cells around an edge is not in the fluid.
-bool solid_near(const LocalGrid& g, const FluidVertices& vertices, int d, const Int3& v) {
+/// Whether a vertex of the cells around an edge is in the solid, or on a surface where that counts.
+bool solid_near(const LocalGrid& g, const FluidVertices& vertices, int d, const Int3& v, bool or_on_surface) {
   const int e = (d + 1) % 3, f = (d + 2) % 3;
   for (int a = -1; a <= 1; ++a)
     for (int b = -1; b <= 1; ++b)
       for (int up = 0; up < 2; ++up) {
         Int3 w = v;
         w[e] += a, w[f] += b, w[d] += up;
-        if (g.vertices.contains(w[0], w[1], w[2]) && vertices(w[0], w[1], w[2]) != VertexKind::kFluid) return true;
+        if (!g.vertices.contains(w[0], w[1], w[2])) continue;
+        const VertexKind kind = vertices(w[0], w[1], w[2]);
+        if (kind == VertexKind::kSolid || (or_on_surface && kind == VertexKind::kOnSurface)) return true;
       }
   return false;
 }
@@ -97,10 +99,7 @@ long long refuse_unresolved(const LocalGrid& g, const Surfaces& surfaces, const 
       ++next[d];
       if (vertices(i, j, k) != VertexKind::kFluid || vertices(next[0], next[1], next[2]) != VertexKind::kFluid)
         continue;
-      if (c->single())
-        sheet.add(g, d, v, *c);
-      else if (!solid_near(g, vertices, d, v))
-        thin.add(g, d, v, *c);
+      if (!solid_near(g, vertices, d, v, !c->single())) (c->single() ? sheet : thin).add(g, d, v, *c);
     }
   });
   MPI_Allreduce(MPI_IN_PLACE, met.data(), int(met.size()), MPI_LONG_LONG, MPI_SUM, g.comm);

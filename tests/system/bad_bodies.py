@@ -145,6 +145,11 @@ def main():
     c.true("a wall that the fluid doesn't see: the line to add", "'fix_modify gas solid cad mesh cad'" in run.output)
     _, run = drop(MESH, "solid a mesh cad" + POINT, tube())
     c.true("a mesh that the particles don't feel: a warning", "is no wall for the particles" in run.output)
+    rods = []
+    for z in (0.0095, 0.0096):
+        run = Run(executable, script(f"region rod cylinder y {8.5 * WIDE / 18} {z} 0.0025 INF INF units box", "fix_modify gas solid a region rod", grains=(0.002,)))
+        rods.append(column(run.thermo(), "f_gas[4]")[-1])
+    c.below("a rod that touches edges of the grid half way, against one that crosses them, pressure drop, relative", abs(rods[0] / rods[1] - 1), 0.05)
     behind_the_wall(c, executable)
     other_bodies_than_the_checkpoints(c, executable)
     c.end()

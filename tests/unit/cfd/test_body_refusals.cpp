@@ -55,6 +55,21 @@ TEST(BodyRefusals, WhatSeparatesNothing) {
     }
 }
 
+TEST(BodyRefusals, AnEdgeOfAMeshTouchesAnEdgeOfTheGrid) {
+  // Along y, its rim of largest x in a plane of nodes, half way between two of them; then a cup there, which is one still.
+  const double middle = 8.5 / 16;
+  for (double radius : {0.13, 0.17, 0.21})
+    for (double z : {middle, middle + 1e-9, 0.53})
+      expect(
+          scene({mesh(tube_mesh(1, {0.5 - radius, -0.1, z}, radius, -0.1, 1.1, 64), "tube")}).fluid_at({0.9, 0.9, 0.9}),
+          "");
+  std::vector<Triangle> cup = box_mesh({0.31, 0.32, 0.33}, {0.5, 0.72, 0.73});
+  cup.resize(10);
+  expect(scene({mesh(cup, "cup"), body_of<SphereShape>(Vec3{0.3, 0.5, 0.5}, 0.1, FluidIs::kOutside)})
+             .fluid_at({0.9, 0.9, 0.9}),
+         "body 'cup' parts nothing");
+}
+
 TEST(BodyRefusals, WhichSide) {
   // A tube from side to side whose ends are an inlet and an outlet, as what is around it.
   const Body tube = mesh(tube_mesh(2, {0.5, 0.5, 0}, 0.31, 0, 1, 64), "tube");
