@@ -8,8 +8,7 @@ namespace twogrid {
 
 class CutFaces {
  public:
-  CutFaces(const LocalGrid& grid, const CutEdges& edges, const FluidVertices& vertices)
-      : grid_(grid), edges_(edges), vertices_(vertices) {}
+  CutFaces(const CutEdges& edges, const FluidVertices& vertices) : edges_(edges), vertices_(vertices) {}
 
   /// Open share of a face's area, and the centroid of the open part: shares of the face's widths in the two directions
   /// that follow d.
@@ -43,7 +42,6 @@ class CutFaces {
   /// Way from the low end of an edge, or from its high one, to the first crossing, as a share of its length; 1 without one.
   double reach(int d, const Int3& low, bool from_high) const;
 
-  const LocalGrid& grid_;
   const CutEdges& edges_;
   const FluidVertices& vertices_;
 };

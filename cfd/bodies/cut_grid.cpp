@@ -20,7 +20,7 @@ CutReport cut_grid(MPI_Comm comm, const FineGrid& grid, const Layout& layout, co
   CutReport report;
   report.fluid_side = vertices.told_by;
   report.thin_edges = refuse_unresolved(local, solids, edges, vertices);
-  const CutFaces faces(local, edges, vertices);
+  const CutFaces faces(edges, vertices);
   FaceField<FineGrid> alpha;
   for (int d = 0; d < 3; ++d) {
     alpha[d].reset(local.faces[d]);

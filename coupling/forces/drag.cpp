@@ -7,7 +7,7 @@
 #include "cfd/parallel/vectorised.h"
 
 // The C library has these eight, four and two at a time as well; said here, the compiler uses them in loops.
-#if defined(__x86_64__) && defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 35)
+#if defined(__x86_64__) && !defined(__clang__) && defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 35)
 extern "C" {
 __attribute__((simd("notinbranch"))) double atan(double) noexcept;
 __attribute__((simd("notinbranch"))) double exp(double) noexcept;

@@ -121,7 +121,11 @@ inline void gather_particles(Particles& p, const std::vector<int>& who, const st
     const Four slip = out[0] - v, slip2 = slip * slip, speed2 = v * v;
     const double diameter = 2 * p.radius[i], eps = out[0][3];
     if (kResidual) four_at(s + kPressureForce) = sphere_volume(p.radius[i]) * out[kGroups - 1];
+#if defined(__clang__)
+    four_at(s + kVoidFraction) = __builtin_shufflevector(out[0], out[1], 3, 4, 5, 6);
+#else
     four_at(s + kVoidFraction) = __builtin_shuffle(out[0], out[1], FourIntegers{3, 4, 5, 6});
+#endif
     four_at(step + kStepVelocity) = out[0];  // b of the next column follows
     const int l = batch.n++;
     batch.row[l] = s, batch.step[l] = step;

@@ -238,8 +238,9 @@ TWOGRID_VECTORISED void share_out(int nodes, const FourWholeNumbers* node, int s
                                   const std::array<const double*, 3>& inverse, const std::array<double*, 3>& source,
                                   const std::array<double*, 3>& beta) {
   for (int I = 0; I < nodes; ++I, node += stride) {
+    const FourIntegers whole = four_at(node->at);
     Four q;
-    to_doubles(four_at(node->at), q);
+    to_doubles(whole, q);
     q *= unit;
     for (int d = 0; d < 3; ++d) {
       source[d][I] = q[d] * inverse[d][I];

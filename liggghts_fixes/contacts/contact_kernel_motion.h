@@ -11,9 +11,7 @@ namespace {
 struct Threefold {
   V low, middle, high;
   explicit Threefold(V a)
-      : low(__builtin_shuffle(a, M{0, 0, 0, 1})),
-        middle(__builtin_shuffle(a, M{1, 1, 2, 2})),
-        high(__builtin_shuffle(a, M{2, 3, 3, 3})) {}
+      : low(lanes<0, 0, 0, 1>(a, a)), middle(lanes<1, 1, 2, 2>(a, a)), high(lanes<2, 3, 3, 3>(a, a)) {}
 };
 /// a += factor b for the vectors of four particles.
 inline void add(double* a, const Threefold& factor, const double* b) {

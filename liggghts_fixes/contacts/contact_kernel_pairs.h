@@ -58,7 +58,7 @@ int neighbours(const Binned& b, const int* start, const BinRun* runs, int count,
       __builtin_memcpy(&j, b.index + k, sizeof j);
       const int near = bits(dx * dx + dy * dy + dz * dz <= most * most) & bits(j > reach.i) &
                        (last - k < 4 ? (1 << (last - k)) - 1 : 15);
-      j = __builtin_shuffle(j, kFront[near]);
+      j = lanes(j, kFront[near]);
       __builtin_memcpy(found + n, &j, sizeof j);
       n += __builtin_popcount(near);
     }

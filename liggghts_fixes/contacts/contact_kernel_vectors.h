@@ -49,14 +49,31 @@ inline int bits(I4 m) {
 #endif
 }
 
+/// Lanes of a (0 to 3) and b (4 to 7).
+template <int i, int j, int k, int l>
+inline V lanes(V a, V b) {
+#if defined(__clang__)
+  return __builtin_shufflevector(a, b, i, j, k, l);
+#else
+  return __builtin_shuffle(a, b, M{i, j, k, l});
+#endif
+}
+inline I4 lanes(I4 a, I4 which) {
+#if defined(__clang__)
+  return I4{a[which[0]], a[which[1]], a[which[2]], a[which[3]]};
+#else
+  return __builtin_shuffle(a, which);
+#endif
+}
+
 /// Four vectors of four become their transpose.
 inline void transpose(V& a, V& b, V& c, V& d) {
-  const V ab_even = __builtin_shuffle(a, b, M{0, 4, 2, 6}), ab_odd = __builtin_shuffle(a, b, M{1, 5, 3, 7});
-  const V cd_even = __builtin_shuffle(c, d, M{0, 4, 2, 6}), cd_odd = __builtin_shuffle(c, d, M{1, 5, 3, 7});
-  a = __builtin_shuffle(ab_even, cd_even, M{0, 1, 4, 5});
-  b = __builtin_shuffle(ab_odd, cd_odd, M{0, 1, 4, 5});
-  c = __builtin_shuffle(ab_even, cd_even, M{2, 3, 6, 7});
-  d = __builtin_shuffle(ab_odd, cd_odd, M{2, 3, 6, 7});
+  const V ab_even = lanes<0, 4, 2, 6>(a, b), ab_odd = lanes<1, 5, 3, 7>(a, b);
+  const V cd_even = lanes<0, 4, 2, 6>(c, d), cd_odd = lanes<1, 5, 3, 7>(c, d);
+  a = lanes<0, 1, 4, 5>(ab_even, cd_even);
+  b = lanes<0, 1, 4, 5>(ab_odd, cd_odd);
+  c = lanes<2, 3, 6, 7>(ab_even, cd_even);
+  d = lanes<2, 3, 6, 7>(ab_odd, cd_odd);
 }
 
 struct V3 {
