@@ -73,7 +73,7 @@ def runs_from_its_prefix(c, executable, scratch):
 
 
 def configure(scratch, name, *words, env=None):
-    return say("cmake", "--preset", "cluster", "-B", os.path.join(scratch, name), *words, cwd=SOURCE, env=env)
+    return say("cmake", "--preset", "cluster", "-G", "Ninja", "-B", os.path.join(scratch, name), *words, cwd=SOURCE, env=env)
 
 
 def wrong_folders(c, scratch):
