@@ -82,6 +82,9 @@ def wrong_folders(c, scratch):
     code, said = configure(scratch, "b1", f"-DLIGGGHTS_ROOT={empty}", f"-DEigen3_ROOT={empty}", env={"PETSC_DIR": empty, "HDF5_ROOT": empty})
     for what in ("PETSc is not in PETSC_DIR=", "HDF5 is not in HDF5_ROOT=", "LIGGGHTS is not in LIGGGHTS_ROOT=", "Eigen is not in Eigen3_ROOT="):
         c.true(f"wrong folders, in one go: {what}...", code != 0 and what + empty in said)
+    if shutil.which("clang++"):
+        code, said = configure(scratch, "b4", "-DCMAKE_CXX_COMPILER=clang++")
+        c.true("clang is refused", code != 0 and "The compiler is Clang" in said and "g++ 9 or newer" in said)
 
 
 def stand_in(scratch, name, code, **headers):
