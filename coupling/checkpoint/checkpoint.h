@@ -49,7 +49,7 @@ struct Beginning {
   std::string scene;  ///< in words; read only
   int every = 0;
   Int3 fine{0, 0, 0}, ratio{0, 0, 0};  ///< cells of the grids; read only
-  double skin = 0;  ///< of the neighbour lists, where it was chosen (m); 0: the script's
+  double skin = 0;                     ///< of the neighbour lists, where it was chosen (m); 0: the script's
   RankParts ranks;  ///< of as many ranks as there are now; else not known. Cuts and fluid_brick: written from the fluid
 };
 

@@ -20,7 +20,8 @@ int main(int argc, char** argv) {
 #ifdef CHECK_HDF5
 #include <hdf5.h>
 #if !defined(H5_HAVE_PARALLEL)
-#error "twogrid: it was built without MPI, and all ranks write one file; one built with --enable-parallel (-DHDF5_ROOT=FOLDER) is wanted"
+#error \
+    "twogrid: it was built without MPI, and all ranks write one file; one built with --enable-parallel (-DHDF5_ROOT=FOLDER) is wanted"
 #elif !H5_VERSION_GE(1, 10, 0)
 #error "twogrid: it is too old; 1.10 or newer is wanted"
 #endif

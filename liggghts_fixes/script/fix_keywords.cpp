@@ -66,7 +66,9 @@ const std::vector<Keyword>& fix_keywords() {
        [](const Line& l) { l.fluid().viscosity = l.number("a dynamic viscosity above 0 (Pa s)", kViscosities); },
        [](const Script& s) { return exact(s.settings.fluid.viscosity); }},
       {"every", "N or `auto`", "DEM steps",
-       "to a coupling; `auto`: by cfl, half a response time of the particles and their way through a particle cell, 1 to 100", kRequired, "",
+       "to a coupling; `auto`: by cfl, half a response time of the particles and their way through a particle cell, 1 "
+       "to 100",
+       kRequired, "",
        [](const Line& l) {
          l.script.every_auto = l.words.take_if("auto");
          if (!l.script.every_auto)
