@@ -25,7 +25,7 @@ import tempfile
 import h5py
 import numpy as np
 
-from bad_input import MPIRUN
+from harness import launch
 
 LIMIT = 1e-12
 DT, RHO_P, RHO_F, D = 1e-5, 2500.0, 1.2, 1e-3
@@ -91,8 +91,8 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             with open(os.path.join(folder, "in.box"), "w") as f:
                 f.write(SCENE.format(formulation=formulation))
-            done = subprocess.run(MPIRUN + ["-np", str(ranks), executable, "-in", "in.box", "-log", "none",
-                                            "-fluid_pressure_rtol", "1e-12"], cwd=folder, stdout=subprocess.PIPE,
+            done = subprocess.run([*launch(ranks), executable, "-in", "in.box", "-log", "none",
+                                   "-fluid_pressure_rtol", "1e-12"], cwd=folder, stdout=subprocess.PIPE,
                                   stderr=subprocess.STDOUT, encoding="utf-8", errors="replace")
             if done.returncode != 0:
                 print(done.stdout[-2000:])

@@ -21,11 +21,10 @@ import sys
 import tempfile
 import time
 
+from harness import ENDS_AT_ONCE, launch
+
 LIMIT = 5.0  # s of wall time for each wrong script
 AT_ONCE = 2   # scripts side by side
-MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
-          "--mca", "btl_base_warn_component_unused", "0", "--mca", "btl", "self,vader",
-          "--mca", "odls_base_sigkill_timeout", "0"]  # else mpirun sleeps a second after any rank's non-zero exit
 
 SCENE = """\
 atom_style      {atom_style}
@@ -164,9 +163,7 @@ def run(executable, ranks, text, folder, options=()):
         f.write(text)
     with open(os.path.join(folder, "two.spheres"), "w") as f:
         f.write("0 0 0 0.0005\n0.0005 0 0 0.0005\n")
-    command = [executable, "-in", "in.scene", "-log", "log.scene", *options]
-    if ranks > 1:
-        command = MPIRUN + ["-np", str(ranks)] + command
+    command = [*launch(ranks, ENDS_AT_ONCE), executable, "-in", "in.scene", "-log", "log.scene", *options]
     begin = time.time()
     try:
         done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=6 * LIMIT,

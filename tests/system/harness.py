@@ -15,6 +15,7 @@ import numpy as np
 
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
           "--mca", "btl", "self,vader"]
+ENDS_AT_ONCE = [*MPIRUN, "--mca", "odls_base_sigkill_timeout", "0"]  # else mpirun sleeps a second after any rank's non-zero exit
 
 # Granular particles without contacts worth mentioning; fill in box, particles and fix.
 HEAD = """

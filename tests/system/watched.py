@@ -17,7 +17,7 @@ import time
 
 import numpy as np
 
-from harness import MPIRUN, Checks, arguments, column, data_file, head_with_particles, launch, walls
+from harness import ENDS_AT_ONCE, Checks, arguments, column, data_file, head_with_particles, launch, walls
 from harness import Run as HarnessRun
 
 BOX = "0 0.008 0 0.004 0 0.008"
@@ -32,12 +32,11 @@ thermo {every}
 GRID = np.array([[(i + .5) * 1e-3, (j + .5) * 1e-3, (k + .5) * 1e-3] for k in range(6) for j in range(4) for i in range(8)])  # rows of 32
 
 
-AT_ONCE = [*MPIRUN, "--mca", "odls_base_sigkill_timeout", "0"]  # else mpirun sleeps a second after any rank's non-zero exit
 
 
 class Run(HarnessRun):
     def __init__(self, executable, script, ranks, *words, **values):
-        super().__init__(executable, script, ranks, *words, launcher=AT_ONCE, **values)
+        super().__init__(executable, script, ranks, *words, launcher=ENDS_AT_ONCE, **values)
 
 
 def script(dt=1e-5, closed=True, motion="fix motion all nve/sphere\n", every=10, modify="", gas=GAS, **values):
