@@ -5,7 +5,7 @@
 
 Runs by ../run what FOLDER (out/jets) hasn't got yet, compares what is there, and leaves there jets.csv (lengths, merging, pressure drop, differences),
 profiles.csv (void fraction and solids' velocity at four heights), jets.png (what a single grid loses) and jets_all.png (all beds on two grids).
---save copies these into this folder, --compare runs nothing, --only runs just those with WORD in their name. --short: thin beds for 0.08 s, one jet;
+--save copies these into this folder, whose tables keep the rows of runs that FOLDER hasn't got; --compare runs nothing, --only runs just those with WORD in their name. --short: thin beds for 0.08 s, one jet;
 --long: 6 s each. README.md says what each number means.
 """
 import argparse
@@ -163,12 +163,6 @@ def apart(a, b, field, bed=0.02):
 
 # ---- tables ------------------------------------------------------------------------------------------------------------
 
-def head(runs, out, words):
-    programs = ", ".join(sorted({r.commit for r in runs}))
-    dates = sorted({r.date for r in runs})
-    return f"# {words}; program {programs}; {dates[0]}" + (f" to {dates[-1]}" if len(dates) > 1 else "") + f"; {machine()}\n"
-
-
 def machine():
     try:
         with open("/proc/cpuinfo") as f:
@@ -182,8 +176,24 @@ def number(value, digits=4):
     return "" if np.isnan(value) else f"{value:.{digits}g}"
 
 
-def write_tables(runs, out, words):
-    """jets.csv and profiles.csv; the rows of the first."""
+def write_table(path, words, key, rows, older):
+    """rows (dicts), and those of the table `older` of runs that are none of theirs. key: columns that name a run. Returns all."""
+    name = lambda row: tuple(str(row[k]) for k in key)
+    if older and os.path.exists(older):
+        made = {name(row) for row in rows}
+        with open(older) as f:
+            rows = rows + [row for row in csv.DictReader(line for line in f if line[0] != "#") if name(row) not in made]
+    rows = sorted(rows, key=name)
+    with open(path, "w", newline="") as f:
+        f.write(f"# {words}\n")
+        table = csv.DictWriter(f, list(dict.fromkeys(c for row in rows for c in row)), restval="", lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)
+    return rows
+
+
+def write_tables(runs, out, words, older=None):
+    """jets.csv and profiles.csv; the rows of the first. older: folder of tables whose other runs are kept."""
     two = {(r.n, r.U): r for r in runs if r.kind == "two"}
     rows, profiles = [], []
     for r in runs:
@@ -192,7 +202,7 @@ def write_tables(runs, out, words):
         against = two.get((r.n, r.U))
         for name, (value, error) in scalars.items():
             row[name], row[name + "_error"] = number(value), number(error, 2)
-        row.update(solids_moved_by_the_bound=number(r.moved, 2), smallest_void_fraction=number(r.smallest, 3))
+        row.update(solids_moved_by_the_bound=number(r.moved, 2), smallest_void_fraction=number(r.smallest, 3), program=r.commit, date=r.date, machine=machine())
         if against is not None and against is not r:
             for name, (value, error) in against.scalars().items():
                 mine, my_error = scalars[name]
@@ -206,25 +216,18 @@ def write_tables(runs, out, words):
         v, v_error = jackknife(r.velocity, r.weight)
         for k in LAYERS:
             for i, x in enumerate(plot_fields.centres(r.x)):
-                profiles.append([r.n, f"{r.U:g}", r.kind, f"{1e3 * (k + 0.5) * CELL[1]:g}", f"{1e3 * x:.1f}", f"{eps[k, i]:.4f}", f"{eps_error[k, i]:.4f}", number(v[k, i], 3), number(v_error[k, i], 2)])
-    columns = list(dict.fromkeys(c for row in rows for c in row))
-    with open(os.path.join(out, "jets.csv"), "w", newline="") as f:
-        f.write(head(runs, out, words))
-        table = csv.DictWriter(f, columns, restval="", lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows)
-    with open(os.path.join(out, "profiles.csv"), "w", newline="") as f:
-        f.write(head(runs, out, words))
-        table = csv.writer(f, lineterminator="\n")
-        table.writerow("jets U_m_s grids z_mm x_mm void_fraction void_fraction_error solids_velocity_m_s solids_velocity_error_m_s".split())
-        table.writerows(profiles)
-    return rows
+                profiles.append({"jets": r.n, "U_m_s": f"{r.U:g}", "grids": r.kind, "z_mm": f"{1e3 * (k + 0.5) * CELL[1]:g}", "x_mm": f"{1e3 * x:.1f}", "void_fraction": f"{eps[k, i]:.4f}",
+                                 "void_fraction_error": f"{eps_error[k, i]:.4f}", "solids_velocity_m_s": number(v[k, i], 3), "solids_velocity_error_m_s": number(v_error[k, i], 2)})
+    key = ["jets", "U_m_s", "grids"]
+    table = lambda name, made: write_table(os.path.join(out, name), words, key, made, older and os.path.join(older, name))
+    table("profiles.csv", profiles)
+    return table("jets.csv", rows)
 
 
 def tell(rows):
     """The table for people."""
     print(f"{'jets':>4} {'U':>3} {'grids':16} {'length / mm':>14} {'merging / mm':>14} {'gas on axis':>13} {'drop/weight':>15} {'eps apart (chance), p':>25} {'v_s apart (chance), p':>25}")
-    pm = lambda row, name: "-" if not row[name] else "through" if row[name] == "inf" else f"{row[name]} +- {row[name + '_error']}"
+    pm = lambda row, name: "-" if not row.get(name) else "through" if row[name] == "inf" else f"{row[name]} +- {row[name + '_error']}"
     for row in rows:
         far = [f"{row[q + '_apart']} ({row[q + '_apart_by_chance']}), {row[q + '_probability']}" if row.get(q + "_apart") else "-" for q in ("void_fraction", "solids_velocity_m_s")]
         print(f"{row['jets']:>4} {row['U_m_s']:>3} {row['grids']:16} {pm(row, 'length_mm'):>14} {pm(row, 'merging_mm'):>14} {pm(row, 'gas_flux_on_axis_m_s'):>13} "
@@ -355,7 +358,7 @@ def main():
     runs = [Jets(folder_of(out, n, U, kind), n, U, kind) for n, U, kind in sorted(beds(o.short)) if os.path.exists(os.path.join(folder_of(out, n, U, kind), "finished"))]
     if not runs:
         sys.exit(f"no finished run in {out}")
-    rows = write_tables(runs, out, "cases/jetting_bed/jets.py" + "".join(" " + m for m in mode))
+    rows = write_tables(runs, out, "cases/jetting_bed/jets.py" + "".join(" " + m for m in mode), HERE if o.save else None)
     tell(rows)
     made = ["jets.csv", "profiles.csv"]
     most = max((r.n, r.U) for r in runs if r.kind == "fine") if any(r.kind == "fine" for r in runs) else (0, 0)
