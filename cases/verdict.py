@@ -229,31 +229,6 @@ def packed_fluidisation(bed, levels, steps, load):
 
 # ---- pictures ----------------------------------------------------------------------------------------------------------
 
-def carries_weight(bed, verdict, short):
-    """A bed on a floor, between sides and below a lid: balance of momentum, and what the pressure drop carries. Columns 2 to 7 of bed.mean: forces of
-    floor, lid and sides on the grains."""
-    floor, lid, *sides = bed.mean[:, 2:8].T
-    dp, share, scatter = momentum(bed, verdict, {"floor on grains": floor, "lid on grains": lid, "sides on grains": sum(sides)}, 5e-3 if short else 1e-3)
-    verdict.between(0.9 - 3 * scatter, share, 1.03 + 3 * scatter, f"mean pressure drop {dp.mean():.0f} Pa, standard deviation {dp.std():.0f} Pa: it carries {100 * share:.1f} +- {100 * scatter:.1f} % of the buoyant weight "
-                    "(wanted: 90 to 103 %, give or take three standard errors; floor and rubbing walls carry the rest)", short)
-
-
-def fluidises_as_wen_yu(bed, verdict, short, levels, velocity):
-    """Minimum fluidisation by the packed bed's pressure drop at two velocities held before. velocity: column of bed.now."""
-    hold = int(np.argmax(np.diff(bed.now[:, velocity]) != 0)) * (bed.now[1, 0] - bed.now[0, 0])
-    U_mf, wen_yu, drops = packed_fluidisation(bed, levels, hold, bed.weight / bed.section)
-    verdict.between(0.7, U_mf / wen_yu, 1.3, f"packed bed: {drops[0]:.0f} and {drops[1]:.0f} Pa at {levels[0]} and {levels[1]} m/s; minimum fluidisation by them {U_mf:.3f} m/s, Wen & Yu (1966) {wen_yu:.3f} m/s (wanted: 30 %)", short)
-
-
-def left_and_right(bed, verdict, short, mass, alarms, least):
-    """Mean mass on the right less that on the left, against what chance gives. Column 10 of bed.now: mass on the right (kg); mass: of all grains;
-    least: s of means below which they say nothing."""
-    series = 2 * bed.now[bed.averaged(bed.now), 10] / mass - 1
-    mean, error, independent, bound = by_chance(series, alarms)
-    enough = bed.length - bed.begin >= least and independent >= 4
-    verdict.between(-1, mean / max(bound, 1e-12), 1, f"mass right less left: {100 * mean:+.2f} +- {100 * error:.2f} % ({independent:.0f} independent values): {abs(mean) / bound:.2f} of what chance exceeds once in {1 / alarms:.0f} runs (wanted: 1)" + ("" if enough else "; the series is too short for it: no verdict"), short or not enough)
-
-
 def usual_pictures(bed, heights, top=None, depth=None):
     """Mean void fraction (over the depth, or at `depth`), three snapshots, profiles at heights, pressure; up to `top` (m)."""
     if NO_PICTURES:
