@@ -36,8 +36,10 @@ inline void operator+=(FourWholeNumbers& sum, const FourWholeNumbers& a) {
   for (int c = 0; c < 4; ++c) sum.at[c] += a.at[c];
 }
 
-/// Four numbers that lie anywhere in an array.
-typedef double FourInRow __attribute__((vector_size(32), aligned(8), may_alias));
+/// Four numbers that lie anywhere in an array, as .row. (A vector type of less alignment won't do: clang forgets that through a reference.)
+struct __attribute__((packed, aligned(8), may_alias)) FourInRow {
+  Four row;
+};
 inline const FourInRow& four_at(const double* first) {
   return *reinterpret_cast<const FourInRow*>(first);
 }
@@ -49,9 +51,11 @@ inline void three_at(const double* first, bool last, Four& to) {
   if (last)
     to = Four{first[0], first[1], first[2], 0};
   else
-    to = four_at(first);
+    to = four_at(first).row;
 }
-typedef long long FourIntegersInRow __attribute__((vector_size(32), aligned(8), may_alias));
+struct __attribute__((packed, aligned(8), may_alias)) FourIntegersInRow {
+  FourIntegers row;
+};
 inline const FourIntegersInRow& four_at(const long long* first) {
   return *reinterpret_cast<const FourIntegersInRow*>(first);
 }

@@ -50,8 +50,8 @@ inline void finish(Batch& c, const GatherInputs& t) {
   }
   for (; c.n < padded; ++c.n) c.b[c.n] = c.response[c.n] = 0;
   for (int l = 0; l < padded; l += 4) {
-    const Four slip = four_at(c.slip + l), speed = four_at(c.speed + l), b = four_at(c.b + l);
-    const Four rate = four_at(c.response + l) * four_at(c.per_mass + l);
+    const Four slip = four_at(c.slip + l).row, speed = four_at(c.speed + l).row, b = four_at(c.b + l).row;
+    const Four rate = four_at(c.response + l).row * four_at(c.per_mass + l).row;
     keep_largest(c.drag, b * slip);
     keep_largest(c.coefficient, b);
     keep_largest(c.number, rate * t.interval);
@@ -67,7 +67,7 @@ inline void flush(Batch& c, const GatherInputs& t) {
     double *const s = c.row[l], *const step = c.step[l];
     if (step[kDecay] == 0)
       for (int d = 0; d < 3; ++d) s[kLateForce + d] = 0;
-    four_at(step + kDragCoefficient) = Four{c.b[l], 0, 0, 0};  // and the impulse
+    four_at(step + kDragCoefficient).row = Four{c.b[l], 0, 0, 0};  // and the impulse
     step[kDecay] = c.decay[l];
     s[kResponse] = c.response[l];
     s[kSizeRatio] = c.size_ratio[l];
@@ -120,13 +120,13 @@ inline void gather_particles(Particles& p, const std::vector<int>& who, const st
     }
     const Four slip = out[0] - v, slip2 = slip * slip, speed2 = v * v;
     const double diameter = 2 * p.radius[i], eps = out[0][3];
-    if (kResidual) four_at(s + kPressureForce) = sphere_volume(p.radius[i]) * out[kGroups - 1];
+    if (kResidual) four_at(s + kPressureForce).row = sphere_volume(p.radius[i]) * out[kGroups - 1];
 #if defined(__clang__)
-    four_at(s + kVoidFraction) = __builtin_shufflevector(out[0], out[1], 3, 4, 5, 6);
+    four_at(s + kVoidFraction).row = __builtin_shufflevector(out[0], out[1], 3, 4, 5, 6);
 #else
-    four_at(s + kVoidFraction) = __builtin_shuffle(out[0], out[1], FourIntegers{3, 4, 5, 6});
+    four_at(s + kVoidFraction).row = __builtin_shuffle(out[0], out[1], FourIntegers{3, 4, 5, 6});
 #endif
-    four_at(step + kStepVelocity) = out[0];  // b of the next column follows
+    four_at(step + kStepVelocity).row = out[0];  // b of the next column follows
     const int l = batch.n++;
     batch.row[l] = s, batch.step[l] = step;
     batch.eps[l] = eps;

@@ -37,7 +37,7 @@ inline void end_interval_of_all(const Particles& p, const std::vector<int>& who,
     three_at(p.v[i], i + 1 == p.n, v);
     if (end.repeated > 0)
       for (int d = 0; d < 3; ++d) step[kImpulse + d] += end.repeated * (s[kDragForce + d] + s[kPressureForce + d]);
-    const Four impulse = four_at(step + kImpulse), u = four_at(s + kFluidVelocity);
+    const Four impulse = four_at(step + kImpulse).row, u = four_at(s + kFluidVelocity).row;
     const double m = p.mass[i], b = s[kResponse];
     const double per_mass = held && p.held(i) ? 0.0 : 1 / m;  // held in part: what is free in it answers
     const double response = b * mean_decay(b * end.interval * per_mass);
@@ -45,7 +45,7 @@ inline void end_interval_of_all(const Particles& p, const std::vector<int>& who,
     if (end.change) seen -= Four{end.change[q][0], end.change[q][1], end.change[q][2], 0};
 
     const double volume = sphere_volume(p.radius[i]);
-    Four way = x - four_at(s + kPosition);
+    Four way = x - four_at(s + kPosition).row;
     if (kPeriodic) {
       way -= way >= half ? period : none;
       way += way <= -half ? period : none;
@@ -56,19 +56,19 @@ inline void end_interval_of_all(const Particles& p, const std::vector<int>& who,
       ++survey.new_particles;
       survey.new_volume += volume;
     } else {
-      flux = mean + end.extrapolation * (mean - four_at(s + kPathVelocity));
+      flux = mean + end.extrapolation * (mean - four_at(s + kPathVelocity).row);
     }
     mean[3] = b;  // of the next column
     static_assert(kPathVelocity == kPosition + 3 && kResponse == kPathVelocity + 3);
-    four_at(s + kPosition) = x;
-    four_at(s + kPathVelocity) = mean;
+    four_at(s + kPosition).row = x;
+    four_at(s + kPathVelocity).row = mean;
     s[kKnown] = 1;
     Four given = response * seen - impulse * per_interval;
     given[3] = response;
     seen[3] = per_mass;
     drag[q].given = given;
     drag[q].seen = seen;
-    four_at(flux_velocity[q].at) = flux;
+    four_at(flux_velocity[q].at).row = flux;
 
     keep_largest_size(largest, given);
     keep_largest_size(fastest, flux);

@@ -119,7 +119,7 @@ void MeanMotion::add_flux_and_drag(const Particles& p, const std::vector<int>& w
   for (std::size_t q = 0; q < who.size(); ++q) {
     const int i = who[q];
     const double *u = p.step[i] + kStepVelocity, b = p.step[i][kDragCoefficient];
-    Four flux = p.mass[i] * four_at(flux_velocity[q].at) * momentum_unit_.per_unit(), force{0, 0, 0, 0};
+    Four flux = p.mass[i] * four_at(flux_velocity[q].at).row * momentum_unit_.per_unit(), force{0, 0, 0, 0};
     flux[3] = 0;
     FixedPoint::to_whole(flux);
     if (drag) {

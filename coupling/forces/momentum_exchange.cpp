@@ -78,7 +78,7 @@ void MomentumExchange::complete_drag(const Particles& p, const std::vector<int>&
     Four read;
     reader_.at<1>(place, &read);
     double* const deviation = deviations_[q].at;
-    four_at(deviation) = b * read;
+    four_at(deviation).row = b * read;
     deviation[3] = b;
     for (int d = 0; d < 3; ++d) largest[0] = std::max(largest[0], std::abs(deviation[d]));
     largest[1] = std::max(largest[1], std::abs(b));

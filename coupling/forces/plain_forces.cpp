@@ -38,12 +38,12 @@ inline int add(const Particles& p, const PlainStep& step, int* left) {
     }
     other += step.lift * sphere_volume(p.radius[i]) * g;
     Four force = other;
-    if (kPressure) force += four_at(s + kPressureForce);
-    force = (force + b * (four_at(step_state + kStepVelocity) - v)) * decay;
+    if (kPressure) force += four_at(s + kPressureForce).row;
+    force = (force + b * (four_at(step_state + kStepVelocity).row - v)) * decay;
     const Four received = force - other;
     Four impulse = received * step.dt;
     impulse[3] = 0;  // of the decay
-    four_at(step_state + kImpulse) += impulse;
+    four_at(step_state + kImpulse).row += impulse;
     if (kWatched)
       for (int d = 0; d < 3; ++d) s[kDragForce + d] = kPressure ? received[d] - s[kPressureForce + d] : received[d];
     for (int d = 0; d < 3; ++d) f[d] = force[d];

@@ -134,7 +134,7 @@ double Map::integral(int d, int j, int k, const double* density) const {
   const int n = b.size(0);
   Four sums{0, 0, 0, 0};
   int i = 0;
-  for (; i + 4 <= n; i += 4) sums += four_at(density + i) * four_at(width + i);
+  for (; i + 4 <= n; i += 4) sums += four_at(density + i).row * four_at(width + i).row;
   double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
   for (; i < n; ++i) sum += density[i] * width[i];
   return sum * across;
@@ -238,7 +238,7 @@ TWOGRID_VECTORISED void share_out(int nodes, const FourWholeNumbers* node, int s
                                   const std::array<const double*, 3>& inverse, const std::array<double*, 3>& source,
                                   const std::array<double*, 3>& beta) {
   for (int I = 0; I < nodes; ++I, node += stride) {
-    const FourIntegers whole = four_at(node->at);
+    const FourIntegers whole = four_at(node->at).row;
     Four q;
     to_doubles(whole, q);
     q *= unit;

@@ -82,7 +82,7 @@ inline void gather(const Corners& c, const WindowShape& shape, const FourNumbers
   for (int g = 0; g < kGroups; ++g) {
     Four row[4];
     for (int q = 0; q < 4; ++q) {
-      const Four left = four_at(at[q][g].at), right = four_at(at[q][g + x].at);
+      const Four left = four_at(at[q][g].at).row, right = four_at(at[q][g + x].at).row;
       row[q] = left + c.w[0] * (right - left);
     }
     const Four low = row[0] + c.w[1] * (row[1] - row[0]), high = row[2] + c.w[1] * (row[3] - row[2]);
@@ -100,14 +100,14 @@ inline void gather(const Stencil& s, const WindowShape& shape, const FourNumbers
       const FourNumbers* node = field + kGroups * (first + shape.row * j + shape.slab * k);
       for (int i = 0; i < s.n[0]; ++i, node += kGroups) {
         const double w = s.w[0][i] * wjk;
-        for (int g = 0; g < kGroups; ++g) out[g] += w * four_at(node[g].at);
+        for (int g = 0; g < kGroups; ++g) out[g] += w * four_at(node[g].at).row;
       }
     }
 }
 
 template <int kGroups>
 inline void gather(std::ptrdiff_t node, const WindowShape&, const FourNumbers* field, Four* out) {
-  for (int g = 0; g < kGroups; ++g) out[g] = four_at(field[kGroups * node + g].at);
+  for (int g = 0; g < kGroups; ++g) out[g] = four_at(field[kGroups * node + g].at).row;
 }
 
 /// Weighted means of kGroups groups over nodes listed one by one.
@@ -115,7 +115,7 @@ template <int kGroups, class Nodes>
 inline void gather_list(const Nodes& s, const FourNumbers* field, Four* out) {
   for (int g = 0; g < kGroups; ++g) {
     out[g] = Four{0, 0, 0, 0};
-    for (int q = 0; q < s.n; ++q) out[g] += s.w[q] * four_at(field[kGroups * s.at[q] + g].at);
+    for (int q = 0; q < s.n; ++q) out[g] += s.w[q] * four_at(field[kGroups * s.at[q] + g].at).row;
   }
 }
 template <int kGroups>
@@ -138,7 +138,7 @@ inline void see_like_home(const Corners& c, const WindowShape& shape, const Four
   double weights = 0;
   for (int q = 0; q < 8; ++q) {
     const int x = q & 1, y = q >> 1 & 1, z = q >> 2;
-    const Four node = four_at(first[x * up[0] + y * up[1] + z * up[2]].at);
+    const Four node = four_at(first[x * up[0] + y * up[1] + z * up[2]].at).row;
     const double w =
         (x ? c.w[0] : 1 - c.w[0]) * (y ? c.w[1] : 1 - c.w[1]) * (z ? c.w[2] : 1 - c.w[2]) * like.factor(node[3]);
     sum += w * node;
@@ -162,7 +162,7 @@ inline void see_like_home(const Stencil& s, const WindowShape& shape, const Four
   for (int k = 0; k < s.n[2]; ++k)
     for (int j = 0; j < s.n[1]; ++j)
       for (int i = 0; i < s.n[0]; ++i) {
-        const Four node = four_at(field[kGroups * (first + i + shape.row * j + shape.slab * k)].at);
+        const Four node = four_at(field[kGroups * (first + i + shape.row * j + shape.slab * k)].at).row;
         const double w = s.w[0][i] * s.w[1][j] * s.w[2][k] * like.factor(node[3]);
         sum += w * node;
         weights += w;
@@ -179,7 +179,7 @@ inline void see_like_home(const SeenNodes& s, const WindowShape&, const FourNumb
   Four sum{0, 0, 0, 0};
   double weights = 0;
   for (int q = 0; q < s.n; ++q) {
-    const Four node = four_at(field[kGroups * s.at[q]].at);
+    const Four node = four_at(field[kGroups * s.at[q]].at).row;
     const double w = s.w[q] * like.factor(node[3]);
     sum += w * node;
     weights += w;
@@ -199,7 +199,7 @@ inline void split(double w, const T& total, T& lower, T& upper) {
 
 /// Adds whole numbers to a node.
 inline void add_whole(const Four& part, FourWholeNumbers& node) {
-  four_at(node.at) += (FourIntegers)(part + kWhole) - kWholeBits;
+  four_at(node.at).row += (FourIntegers)(part + kWhole) - kWholeBits;
 }
 
 /// Adds the whole numbers `total`, split by the weights, so that exactly `total` is added.
