@@ -223,10 +223,9 @@ macro(end_if_amiss)
   endif()
 endmacro()
 
-# Rows of four numbers that lie anywhere in an array are a type of their own (cfd/parallel/vectorised.h), whose alignment clang forgets.
-if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR CMAKE_CXX_COMPILER_VERSION VERSION_LESS 9)
-  amiss("The compiler is ${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION} (${CMAKE_CXX_COMPILER}); g++ 9 or newer is wanted, for a program made by clang \
-or its like ends in a segmentation fault: -DCMAKE_CXX_COMPILER=g++ -DCMAKE_C_COMPILER=gcc, or CXX=g++ CC=gcc, in a new folder.")
+if(NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$" OR (CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 9))
+  amiss("The compiler is ${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION} (${CMAKE_CXX_COMPILER}); g++ 9 or newer is wanted, or clang++: \
+-DCMAKE_CXX_COMPILER=g++ -DCMAKE_C_COMPILER=gcc, or CXX=g++ CC=gcc, in a new folder.")
 endif()
 find_mpi()
 find_petsc()

@@ -84,7 +84,7 @@ def wrong_folders(c, scratch):
         c.true(f"wrong folders, in one go: {what}...", code != 0 and what + empty in said)
     if shutil.which("clang++"):
         code, said = configure(scratch, "b4", "-DCMAKE_CXX_COMPILER=clang++")
-        c.true("clang is refused", code != 0 and "The compiler is Clang" in said and "g++ 9 or newer" in said)
+        c.true("clang is taken", code == 0)
 
 
 def stand_in(scratch, name, code, **headers):
