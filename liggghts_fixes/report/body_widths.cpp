@@ -63,8 +63,9 @@ class Widths {
         Vec3 x;
         x[d] = domain.axis[d].centre(i);
         for (int j = 0; j < kPoints * kPoints; ++j) {
-          x[e] = lo_[e] + (j % kPoints + 0.5) / kPoints * (hi_[e] - lo_[e]);
-          x[f] = lo_[f] + (j / kPoints + 0.5) / kPoints * (hi_[f] - lo_[f]);
+          const int column = j % kPoints, row = j / kPoints;
+          x[e] = lo_[e] + (column + 0.5) / kPoints * (hi_[e] - lo_[e]);
+          x[f] = lo_[f] + (row + 0.5) / kPoints * (hi_[f] - lo_[f]);
           open += !solid(x, e);
         }
         layers[d].push_back(area * domain.axis[d].width(i) * open / (kPoints * kPoints));

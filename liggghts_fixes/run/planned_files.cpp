@@ -32,7 +32,9 @@ struct Inside : Dump {
 
 /// Multiples of `every` in (from, to].
 double multiples(long long from, long long to, long long every) {
-  return every > 0 ? double(to / every - from / every) : 0.0;
+  if (every <= 0) return 0;
+  const long long before = from / every, all = to / every;
+  return double(all - before);
 }
 
 /// What a dump has written so far, of all ranks: in one file, or in one for each step, or rank.
