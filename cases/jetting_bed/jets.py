@@ -227,7 +227,7 @@ def write_tables(runs, out, words, older=None):
 def tell(rows):
     """The table for people."""
     print(f"{'jets':>4} {'U':>3} {'grids':16} {'length / mm':>14} {'merging / mm':>14} {'gas on axis':>13} {'drop/weight':>15} {'eps apart (chance), p':>25} {'v_s apart (chance), p':>25}")
-    pm = lambda row, name: "-" if not row.get(name) else "through" if row[name] == "inf" else f"{row[name]} +- {row[name + '_error']}"
+    pm = lambda row, name: "-" if not row.get(name) else "through" if row[name] == "inf" else f"{row[name]} +- {row[name + '_error'] or '?'}"
     for row in rows:
         far = [f"{row[q + '_apart']} ({row[q + '_apart_by_chance']}), {row[q + '_probability']}" if row.get(q + "_apart") else "-" for q in ("void_fraction", "solids_velocity_m_s")]
         print(f"{row['jets']:>4} {row['U_m_s']:>3} {row['grids']:16} {pm(row, 'length_mm'):>14} {pm(row, 'merging_mm'):>14} {pm(row, 'gas_flux_on_axis_m_s'):>13} "
