@@ -120,7 +120,7 @@ def draw(m, path):
     ax.set_ylabel("pressure drop (Pa)")
     ax.set_ylim(0, 1.25 * m["weight"])
     ax.set_xlim(0, None)
-    ax.legend(frameon=False, loc="lower right")
+    ax.legend(loc="center left")
     ax.set_title(f"U_mf = {m['Umf']:.4f} m/s, Ergun {m['ergun']:.4f} m/s")
     fig.tight_layout()
     fig.savefig(path, dpi=130)
