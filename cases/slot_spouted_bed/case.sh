@@ -2,7 +2,7 @@
 title="spouted bed with slot"
 what="175,800 spheres of 2.5 mm, spouted by a jet of 20.8 m/s from a slot of 24 mm"
 against="conservation; drag law; balance of forces; minimum spouting by Mathur & Gishler (1955); symmetry"
-time_short="15 s" time_run="110 min" time_long="5 h" memory="610 MB"
+time_short="15 s" time_run="160 min" time_long="7 h" memory="610 MB"
 second=pz
 long="-var tend 8.0"
 # A thin slice with soft contacts and a slower jet: what needs a long mean is printed without a verdict.
