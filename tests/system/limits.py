@@ -110,8 +110,8 @@ def not_a_number(c, executable, ranks):
 
 
 def signal_within_a_coupling(c, executable, ranks):
-    """9600 fluid steps a coupling: some 20 s. The signal comes after 3 s and is heard."""
-    text = head_with_particles(1e-6, boundary="f f f") + GAS.format(modify="dt 5.2e-10").replace("fine 8 4 8", "fine 32 16 32") + "run 20\n"
+    """9600 fluid steps a coupling, some minutes: much longer than the 10 to 18 s that mpirun takes to hand on a signal, so that it can't fall between two. It comes after 4 s and is heard."""
+    text = head_with_particles(1e-6, boundary="f f f") + GAS.format(modify="dt 5.2e-10").replace("fine 8 4 8 ratio 2 2 2", "fine 64 32 64 ratio 4 4 4") + "run 20\n"
     with tempfile.TemporaryDirectory(prefix="twogrid_test_") as folder:
         with open(os.path.join(folder, "in.test"), "w") as f:
             f.write(text)
