@@ -2,7 +2,7 @@
 title="NETL-like bed"
 what="92,900 spheres of 3.256 mm in a bubbling bed of 230 x 76 mm"
 against="conservation; drag law; weight of the bed; minimum fluidisation as measured, 20 %, and by Wen & Yu (1966), 30 %; symmetry"
-time_short="15 s" time_run="33 min" time_long="80 min" memory="430 MB"
+time_short="15 s" time_run="35 min" time_long="90 min" memory="430 MB"
 second=pz
 long="-var tend 8.0"
 # A thin slice with soft contacts: what needs a long mean is printed without a verdict.
