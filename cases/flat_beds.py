@@ -3,12 +3,37 @@
 Their tables (see verdict.py) go on with: now.txt, column 10, mass on the right (kg), 11, mean height of the grains (m); mean.txt, columns 2 to 7, vertical forces
 of floor, lid, left, right, front and back on the grains (N).
 """
+import os
+
 import numpy as np
 
+import drag_check
+import picture_3d
 import plot_fields
-from verdict import G, by_chance, correlated_mean, momentum, packed_fluidisation
+from verdict import G, NO_PICTURES, Bed, Verdict, by_chance, command_line, correlated_mean, ledgers, momentum, packed_fluidisation, save, save_compared, usual_pictures
 
 PACKED = 0.42  # void fraction at rest, for a bed's height
+
+
+def begin(usage, d, rho):
+    """The run that the command line names, of grains of diameter d (m) and density rho; its ledgers and its drag. Returns bed, verdict, whether the run is a short one."""
+    folder, short = command_line(usage)
+    now = np.loadtxt(os.path.join(folder, "now.txt"), ndmin=2)
+    bed, verdict = Bed(folder, d, rho, (now[-1, 4] - now[0, 4]) / (now[-1, 0] - now[0, 0])), Verdict()
+    verdict.note(f"{bed.n:.0f} grains, {bed.inflow / bed.section:.3f} m/s over the section, {bed.inlet.max():.2f} m/s in the fastest inlet face, {bed.length:.2f} s, means from {bed.begin:.2f} s")
+    ledgers(bed, verdict)
+    drag_check.check(bed.file, verdict)
+    return bed, verdict, short
+
+
+def end(bed, verdict, short, heights, top):
+    """Symmetry, pictures (profiles at heights, all up to `top`, m), and the exit."""
+    left_and_right(bed, verdict, short, bed.solids * bed.rho_p)
+    save_compared(bed.folder, compared(bed))
+    if not NO_PICTURES:
+        save({**usual_pictures(bed, heights, top=top), "curve": curve(bed)}, bed.folder)
+    picture_3d.draw(os.path.join(bed.folder, "bed.h5"), os.path.join(bed.folder, "grains.png"), cut="none")
+    verdict.end()
 
 
 def balance(bed, verdict, short):

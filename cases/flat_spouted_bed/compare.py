@@ -12,10 +12,8 @@ import sys
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-import drag_check  # noqa: E402
 import flat_beds  # noqa: E402
-import picture_3d  # noqa: E402
-from verdict import G, NO_PICTURES, Bed, Verdict, command_line, ledgers, save, save_compared, usual_pictures  # noqa: E402
+from verdict import G  # noqa: E402
 
 D_P, RHO_P = 3.0e-3, 2505.0      # as in.flat_spouted_bed has it
 DEPTH, SLOT = 20.0e-3, 5.0e-3
@@ -35,23 +33,13 @@ def jet(bed, verdict, short):
 
 
 def main():
-    folder, short = command_line(__doc__)
-    now = np.loadtxt(os.path.join(folder, "now.txt"), ndmin=2)
-    bed, verdict = Bed(folder, D_P, RHO_P, (now[-1, 4] - now[0, 4]) / (now[-1, 0] - now[0, 0])), Verdict()
-    verdict.note(f"{bed.n:.0f} grains, {bed.inflow / bed.section:.2f} m/s over the section, {bed.inlet.max():.1f} m/s in the slot on the grid, {bed.length:.2f} s, means from {bed.begin:.2f} s")
-    ledgers(bed, verdict)
-    drag_check.check(bed.file, verdict)
+    bed, verdict, short = flat_beds.begin(__doc__, D_P, RHO_P)
     flat_beds.carries_weight(bed, verdict, short)
     flat_beds.fluidises_as_wen_yu(bed, verdict, short, LOW, 13)
     flat_beds.spout(bed, verdict, short)
     jet(bed, verdict, short)
     flat_beds.rhythm(bed, verdict)
-    flat_beds.left_and_right(bed, verdict, short, bed.solids * RHO_P)
-    save_compared(folder, flat_beds.compared(bed))
-    if not NO_PICTURES:
-        save({**usual_pictures(bed, [30e-3, 60e-3, 100e-3], top=0.4), "curve": flat_beds.curve(bed)}, bed.folder)
-    picture_3d.draw(os.path.join(bed.folder, "bed.h5"), os.path.join(bed.folder, "grains.png"), cut="none")
-    verdict.end()
+    flat_beds.end(bed, verdict, short, [30e-3, 60e-3, 100e-3], 0.4)
 
 
 if __name__ == "__main__":

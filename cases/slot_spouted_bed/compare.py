@@ -12,11 +12,9 @@ import sys
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-import drag_check  # noqa: E402
 import flat_beds  # noqa: E402
-import picture_3d  # noqa: E402
 import plot_fields  # noqa: E402
-from verdict import G, NO_PICTURES, Bed, Verdict, command_line, ledgers, save, save_compared, usual_pictures  # noqa: E402
+from verdict import G  # noqa: E402
 
 D_P, RHO_P = 2.5e-3, 2500.0      # as in.slot_spouted_bed has it
 WIDTH, SLOT = 280.0e-3, 24.0e-3
@@ -45,22 +43,12 @@ def pressure(bed, verdict, short):
 
 
 def main():
-    folder, short = command_line(__doc__)
-    now = np.loadtxt(os.path.join(folder, "now.txt"), ndmin=2)
-    bed, verdict = Bed(folder, D_P, RHO_P, (now[-1, 4] - now[0, 4]) / (now[-1, 0] - now[0, 0])), Verdict()
-    verdict.note(f"{bed.n:.0f} grains, {bed.inlet.max():.1f} m/s in the slot, {bed.length:.2f} s, means from {bed.begin:.2f} s")
-    ledgers(bed, verdict)
-    drag_check.check(bed.file, verdict)
+    bed, verdict, short = flat_beds.begin(__doc__, D_P, RHO_P)
     pressure(bed, verdict, short)
     flat_beds.spout(bed, verdict, short)
     spouts_as_mathur_gishler(bed, verdict, short)
     flat_beds.rhythm(bed, verdict)
-    flat_beds.left_and_right(bed, verdict, short, bed.solids * RHO_P)
-    save_compared(folder, flat_beds.compared(bed))
-    if not NO_PICTURES:
-        save({**usual_pictures(bed, [50e-3, 100e-3, 150e-3], top=0.6), "curve": flat_beds.curve(bed)}, bed.folder)
-    picture_3d.draw(os.path.join(bed.folder, "bed.h5"), os.path.join(bed.folder, "grains.png"), cut="none")
-    verdict.end()
+    flat_beds.end(bed, verdict, short, [50e-3, 100e-3, 150e-3], 0.6)
 
 
 if __name__ == "__main__":
