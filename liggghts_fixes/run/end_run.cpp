@@ -3,8 +3,11 @@
 #include <lammps.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include "liggghts_fixes/report/status.h"
 #include "liggghts_fixes/run/still_files.h"
@@ -75,6 +78,18 @@ std::string last_sentence() {
   return line.rfind("ERROR: ", 0) == 0 ? line.substr(7) : line;
 }
 
+/// Why a file could not be opened and what mends it, where that was the error; else nothing.
+std::string why_unopened() {
+  const UnopenedFile& file = unopened_file();
+  if (file.path.empty() || last_error().find("annot open") == std::string::npos) return "";
+  const std::size_t slash = file.path.rfind('/');
+  const std::string folder = slash == std::string::npos ? "." : file.path.substr(0, std::max<std::size_t>(slash, 1));
+  if (file.error == ENOENT)
+    return "twogrid: there is no folder " + folder + " for the file " + file.path +
+           "; make it before the run, or in the script by: shell mkdir " + folder;
+  return "twogrid: the file " + file.path + " could not be opened: " + std::strerror(file.error);
+}
+
 /// LIGGGHTS' errors of all ranks, and its command quit (with code 1, too, but without a word), end here.
 void tell_status(int code, void*) {
   if (code == 0 || (!shown.empty() && shown.find("ERROR") == std::string::npos))
@@ -117,6 +132,7 @@ void quieten_screen() {
 void write_last_sentence() {
   if (watched && watched->screen) std::fflush(watched->screen);
   if (watched && watched->logfile) std::fputs(last_error().c_str(), watched->logfile);
+  if (const std::string why = why_unopened(); !why.empty()) say(watched, why);
   Status::of_process().fail_alone(last_sentence());
   std::fflush(nullptr);
   forget_still_files();

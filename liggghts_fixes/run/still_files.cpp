@@ -124,12 +124,28 @@ int remove_entry(const char* path, const struct stat*, int, FTW*) {
 
 using Open = FILE*(const char*, const char*);
 
+UnopenedFile& unopened() {
+  static UnopenedFile* const kUnopened = new UnopenedFile;  // as still()
+  return *kUnopened;
+}
+
+/// Notes why a file can't be opened to be written.
+FILE* open_noted(Open* real, const char* path, const char* mode, const std::string& there) {
+  FILE* const file = real(there.c_str(), mode);
+  if (!file && std::strpbrk(mode, "wa+")) unopened() = {path, errno};
+  return file;
+}
+
 FILE* open_still(Open* real, const char* path, const char* mode) {
-  if (!still().on || !path || !mode) return real(path, mode);
+  if (!path || !mode) return real(path, mode);
+  if (!still().on) return open_noted(real, path, mode, path);
   const std::string whole = absolute(path);
   if (passes(whole)) return real(path, mode);
   if (!std::strpbrk(mode, "wa+")) return real(still_path_to_read(path).c_str(), mode);
-  if (!may_be_written(whole)) return nullptr;
+  if (!may_be_written(whole)) {
+    unopened() = {path, errno};
+    return nullptr;
+  }
   const std::string there = written_to(whole, path);
   return real(there.c_str(), mode[0] == 'r' ? "w+" : mode);
 }
@@ -177,6 +193,10 @@ void take_as_folder(const std::string& path) {
 
 void expect_missing_folders() {
   still().any_folder = true;
+}
+
+const UnopenedFile& unopened_file() {
+  return unopened();
 }
 
 std::vector<StillFile> still_files() {

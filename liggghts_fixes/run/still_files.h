@@ -38,6 +38,13 @@ struct StillFile {
 /// What would have been written so far, by this process.
 std::vector<StillFile> still_files();
 
+/// The last file that could not be opened to be written, in a plan or in a run; no path: there was none.
+struct UnopenedFile {
+  std::string path;  ///< as it was given
+  int error = 0;     ///< errno
+};
+const UnopenedFile& unopened_file();
+
 /// The folder goes. At the end of a process by itself, but for MPI_Abort and _Exit. Local.
 void forget_still_files();
 

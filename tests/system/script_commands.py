@@ -240,7 +240,8 @@ run 10"""
 def sentences(c, executable):
     """LIGGGHTS' own errors: without mpirun, output into a file."""
     for what, line, wanted in (("of one rank", "region r block 0 ${nope} 0 1 0 1 units box", "Substitution for illegal variable"),
-                               ("of all ranks", "pair_style nonsense", "pair style"), ("in a run", RUN, "Sqrt of negative")):
+                               ("of all ranks", "pair_style nonsense", "pair style"), ("in a run", RUN, "Sqrt of negative"),
+                               ("of a folder", 'fix t all print 1 "x" file out/t.txt', "annot open(.|\\n)*there is no folder out for the file out/t.txt.*shell mkdir out")):
         with tempfile.TemporaryDirectory(prefix="twogrid_test_") as folder:
             with open(os.path.join(folder, "in.test"), "w") as f:
                 f.write(head("0 0.01 0 0.01 0 0.01") + line + "\n")
