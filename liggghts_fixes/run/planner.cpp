@@ -281,7 +281,7 @@ void Planner::take_scene(PlannedRun& run) {
   fall_ = -1;
   if (volume <= 0) return;
   spheres_ = {2 * sums[1] / double(particles_of_all_ranks(lammps_)), sums[2] / volume, lammps_.neighbor->skin,
-              atom.ntypes};
+              atom.ntypes, std::max(spheres_.number, particles_)};
   for (int d = 0; d < 3; ++d)
     parts.lo[d] = (lo[d] - domain.boxlo[d]) / domain.prd[d], parts.hi[d] = (hi[d] - domain.boxlo[d]) / domain.prd[d];
   // What falls will lie at the bottom.
@@ -319,7 +319,7 @@ void Planner::finish(bool stopped, const std::function<void(const std::string&)>
   plan_.setup_seconds += most_of_ranks(cpu_seconds() - between_);
   plan_.most_bytes = most_of_ranks(most_memory());
   plan_.files = files_.list();
-  const LatticeCosts cost = lattice_costs(lammps_, scene_, spheres_, execute);
+  const ContactCosts cost = contact_costs(lammps_, scene_, spheres_, execute);
   for (std::size_t i = 0; i < missing_.size(); ++i) {
     double& seconds = plan_.runs[i].particle_seconds;
     seconds = std::max(0.3 * seconds, seconds + missing_[i].contacts * cost.contact) +

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "liggghts_fixes/report/plan_table.h"
-#include "liggghts_fixes/run/lattice_costs.h"
+#include "liggghts_fixes/run/contact_costs.h"
 #include "liggghts_fixes/run/planned_files.h"
 
 namespace LAMMPS_NS {

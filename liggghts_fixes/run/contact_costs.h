@@ -1,6 +1,7 @@
-// What a contact of a script's contact law costs on this machine: two lattices of spheres without walls and gravity, one in
-// which each touches six others, one in which none touches any, in LIGGGHTS after the script, with its own units, contact
-// law and properties.
+// What a contact of a script's contact law costs on this machine: spheres without walls and gravity, once as dense as a
+// packing and at random, as many as the run has, for their contacts are read from memory where a small bed's are in the
+// cache; and once in a lattice where none touches any. In LIGGGHTS after the script, with its own units, contact law and
+// properties.
 #pragma once
 
 #include <functional>
@@ -19,16 +20,17 @@ namespace twogrid {
 struct PlannedSpheres {
   double diameter = 0, density = 0, skin = 0;  ///< means; of the neighbour lists
   int types = 1;
+  double number = 0;  ///< of all ranks
 };
 
 /// CPU s of a DEM step: of a particle that touches none, and of a contact; 0: unknown.
-struct LatticeCosts {
+struct ContactCosts {
   double particle = 0, contact = 0;
 };
 
 /// commands: that the script's scene has been made with; execute: a line. What
 /// there was in LIGGGHTS is gone after it. Collective.
-LatticeCosts lattice_costs(LAMMPS_NS::LAMMPS& lammps, const std::vector<Command>& commands,
+ContactCosts contact_costs(LAMMPS_NS::LAMMPS& lammps, const std::vector<Command>& commands,
                            const PlannedSpheres& spheres, const std::function<void(const std::string&)>& execute);
 
 /// Contacts in this rank's lists of LIGGGHTS. Local.

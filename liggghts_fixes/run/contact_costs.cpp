@@ -1,7 +1,8 @@
-#include "liggghts_fixes/run/lattice_costs.h"
+#include "liggghts_fixes/run/contact_costs.h"
 
 #include <atom.h>
 #include <comm.h>
+#include <domain.h>
 #include <force.h>
 #include <lammps.h>
 #include <mpi.h>
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <set>
 
 #include "coupling/control/stopwatch.h"
@@ -42,11 +44,33 @@ bool before_box(const Command& c) {
   return c[0] == "units" || c[0] == "atom_style" || c[0] == "newton" || c[0] == "communicate";
 }
 
-/// CPU s of a particle's step in a lattice of this spacing.
-double lattice_step(LAMMPS& lammps, const std::vector<Command>& commands, const PlannedSpheres& s, double spacing,
-                    const std::function<void(const std::string&)>& execute) {
-  const int side = int(std::lround(12 * std::cbrt(double(lammps.comm->nprocs))));
+/// Diameters between the spheres of a lattice that has as many of them as a packing, 0.6 of the volume: thrown about
+/// at random, each touches 2.4 others on average, each contact counted once.
+constexpr double kPacked = 0.956;
+
+/// Each rank's own, anywhere in its part of the box.
+void throw_about(LAMMPS& lammps) {
+  std::mt19937 random(1);
+  for (int d = 0; d < 3; ++d) {
+    std::uniform_real_distribution<double> place(lammps.domain->sublo[d], lammps.domain->subhi[d]);
+    for (int i = 0; i < lammps.atom->nlocal; ++i) lammps.atom->x[i][d] = place(random);
+  }
+}
+
+struct SphereCost {
+  double seconds = 0;   ///< CPU s of a particle's step
+  double contacts = 0;  ///< a particle
+};
+
+/// Of spheres in a lattice of this spacing, or at random with as many to the volume.
+SphereCost sphere_cost(LAMMPS& lammps, const std::vector<Command>& commands, const PlannedSpheres& s, double spacing,
+                       bool at_random, const std::function<void(const std::string&)>& execute) {
+  constexpr double kFewest = 12 * 12 * 12, kMost = 40 * 40 * 40;  // a rank
+  const double ranks = lammps.comm->nprocs;
+  const int side = int(std::lround(std::cbrt(ranks * std::clamp(s.number / ranks, kFewest, kMost))));
   const std::string length = text(side * spacing);
+  // At random they overlap deeply: so heavy that they don't move.
+  const double density = s.density * (at_random ? 1e9 : 1);
   execute("clear");
   for (const Command& c : commands)
     if (before_box(c)) execute(line_of(c));
@@ -58,10 +82,11 @@ double lattice_step(LAMMPS& lammps, const std::vector<Command>& commands, const 
   for (const Command& c : commands)
     if (is_law(c) && !before_box(c)) execute(line_of(c));
   for (const std::string& line : {"lattice sc " + text(spacing), std::string("create_atoms 1 box"),
-                                  "set group all diameter " + text(s.diameter) + " density " + text(s.density),
+                                  "set group all diameter " + text(s.diameter) + " density " + text(density),
                                   std::string("fix plan_motion all nve/sphere"),
                                   std::string("thermo_style custom step"), std::string("thermo 1000000")})
     execute(line);
+  if (at_random) throw_about(lammps);
   double least = std::numeric_limits<double>::infinity(), begin = 0;
   constexpr int kSteps = 30;
   for (int i = 0; i < 5; ++i) {
@@ -72,20 +97,25 @@ double lattice_step(LAMMPS& lammps, const std::vector<Command>& commands, const 
     begin = end;
   }
   MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MAX, lammps.world);
-  return least / kSteps * lammps.comm->nprocs / (double(side) * side * side);
+  double contacts = count_contacts(lammps);
+  MPI_Allreduce(MPI_IN_PLACE, &contacts, 1, MPI_DOUBLE, MPI_SUM, lammps.world);
+  const double number = double(side) * side * side;
+  return {least / kSteps * ranks / number, contacts / number};
 }
 
 }  // namespace
 
-LatticeCosts lattice_costs(LAMMPS& lammps, const std::vector<Command>& commands, const PlannedSpheres& spheres,
+ContactCosts contact_costs(LAMMPS& lammps, const std::vector<Command>& commands, const PlannedSpheres& spheres,
                            const std::function<void(const std::string&)>& execute) {
   if (!(spheres.diameter > 0 && spheres.density > 0 && spheres.skin > 0)) return {};
   if (std::none_of(commands.begin(), commands.end(),
                    [](const Command& c) { return c[0] == "pair_style" && c.size() > 1 && c[1] == "gran"; }))
     return {};
-  const double touching = lattice_step(lammps, commands, spheres, spheres.diameter * (1 - 5e-4), execute);
-  const double apart = lattice_step(lammps, commands, spheres, spheres.diameter + 0.5 * spheres.skin, execute);
-  return {apart, std::max(0.0, touching - apart) / 3};
+  const SphereCost touching = sphere_cost(lammps, commands, spheres, kPacked * spheres.diameter, true, execute);
+  const SphereCost apart =
+      sphere_cost(lammps, commands, spheres, spheres.diameter + 0.5 * spheres.skin, false, execute);
+  if (!(touching.contacts > 0)) return {apart.seconds, 0};
+  return {apart.seconds, std::max(0.0, touching.seconds - apart.seconds) / touching.contacts};
 }
 
 double count_contacts(LAMMPS& lammps) {
