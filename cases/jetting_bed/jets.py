@@ -33,6 +33,7 @@ KINDS = {"two": ("two grids", "-var grids two"), "coarse": ("single grid of the 
          "coarse_velocity": ("particle cells, the jet's velocity kept", "-var grids coarse -var keep velocity"),
          "fine_exact": ("fluid's cells, exact deposition", "-var grids fine -var method exact")}
 COLOURS = {"two": "#1b6ca8", "coarse": "#d1603d", "fine": "#5f9e4b", "two_jets": "#7fb2e5", "coarse_velocity": "#e8a87c", "fine_exact": "#a3c585"}
+HIGHER = {(3, 9.0, "fine"): "96e-3"}  # m, domains in place of 72 mm: where the start throws grains over the top, and the run ends
 APART = 12e-3          # m, between the axes of neighbouring jets, as in.jetting_bed has it
 CELL = (2.4e-3, 3e-3)  # m, particle cells: everything is compared on these
 LAYERS = (1, 3, 5, 7)  # of particle cells, for profiles: 4.5, 10.5, 16.5 and 22.5 mm
@@ -62,14 +63,16 @@ class Jets:
             edges = plot_fields.nodes(file, "particle_grid")
             self.edges, self.x, self.z = edges, np.arange(0, edges[0][-1] + 1e-9, CELL[0]), np.arange(0, edges[2][-1] + 1e-9, CELL[1])
             nx, nz = len(self.x) - 1, len(self.z) - 1
+            low = int(round(72e-3 / CELL[1]))  # compared up to here
             # Cells are equal, and nested in those of the comparison: means over them are plain means.
-            onto = lambda v: v.mean(axis=2).reshape(len(v), nz, -1, nx, v.shape[3] // nx).mean(axis=(2, 4))
+            onto = lambda v: v.mean(axis=2).reshape(len(v), nz, -1, nx, v.shape[3] // nx).mean(axis=(2, 4))[:, :low]
             self.eps, self.solids = onto(batch("eps")), onto(batch("solids_fraction"))
             self.flux, self.gas = onto(batch("solids_flux")[..., 2]), onto(batch("gas_flux")[..., 2])
             mean = file["average"]
             self.map_eps = mean["particle_grid/eps"][:].mean(axis=1)
             self.map_gas = mean["fine/flux"][..., 2].mean(axis=1)
             self.fine = plot_fields.nodes(file)
+            self.z = self.z[:low + 1]
             self.begin, self.span, self.end = float(mean.attrs["from"]), float(mean.attrs["weight"]), float(mean.attrs["to"])
             self.correlation = float(mean.attrs.get("correlation_time", np.nan))
             record = file["record"].attrs
@@ -331,6 +334,8 @@ def run_missing(o, out, mode):
         if os.path.exists(os.path.join(folder, "finished")) or (o.only and o.only not in os.path.basename(folder)):
             continue
         words = ["-var", "jets", str(n), "-var", "U", f"{U:.1f}", *KINDS[kind][1].split()]
+        if (n, U, kind) in HIGHER:
+            words += ["-var", "H", HIGHER[n, U, kind]]
         command = [os.path.join(HERE, "..", "run"), "jetting_bed", *mode, *(["--ranks", str(o.ranks)] if o.ranks else []), "--out", folder, *words]
         print(" ".join(["cases/run"] + command[1:]), flush=True)
         with open(os.path.join(out, os.path.basename(folder) + ".txt"), "w") as text:
