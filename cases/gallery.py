@@ -25,10 +25,13 @@ def facts(folder):
 
 
 def best_run(out):
-    """Of the runs that came to their end: the longest mode, then the newest; None."""
+    """Of the runs that came to their end: the longest mode, then the newest; jobs stand between the usual run and the short one. None: there is none.
+    Runs with -var are others than the case."""
     rank = {"run_long": 3, "run": 2, "run_short": 0}
     runs = []
     for name in os.listdir(out) if os.path.isdir(out) else []:
+        if name not in rank and not name.startswith("job_"):
+            continue
         run = RunFolder(os.path.join(out, name))
         if run.status.get("state") == "finished" and run.verdict:
             runs.append((rank.get(name, 1), os.path.getmtime(run.path("verdict.txt")), run))

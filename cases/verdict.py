@@ -6,6 +6,7 @@ grains, top of the grains, f_ID[1], f_ID[5] to f_ID[9], more) and mean.txt (step
 """
 import json
 import os
+import re
 import sys
 
 import h5py
@@ -57,11 +58,38 @@ class Verdict:
 
 
 def command_line(usage):
-    """The folder that compare.py is called with, and whether with --short."""
+    """The folder that compare.py is called with, and whether with --short. From here on what the folder lacks is told in a sentence."""
     words = [w for w in sys.argv[1:] if w != "--short"]
     if len(words) != 1:
         sys.exit(usage)
-    return words[0], "--short" in sys.argv
+    folder = words[0]
+
+    def tell(kind, error, trace):
+        if issubclass(kind, (FileNotFoundError, KeyError)):
+            what = error.args[0] if kind is KeyError else next(iter(re.findall(r"[\w.]+\.(?:h5|txt|json|csv)", str(error))), error)
+            print(f"FAIL  the run in {os.path.abspath(folder)} lacks what is compared, {what}: it is one of another case, or ended before it wrote that")
+        else:
+            sys.__excepthook__(kind, error, trace)
+
+    sys.excepthook = tell
+    return folder, "--short" in sys.argv
+
+
+def same_grains(folder, file, d, rho):
+    """Ends with a sentence if the grains of a run are not those that its compare.py has: no grain of diameter d (m); another density than rho, as
+    the scene report in the log has it for grains of one size."""
+    last = plot_fields.frames(file)[-1]
+    found = 2 * file["particles"][last]["radius"][:] if last in file.get("particles", {}) else np.array([])
+    if len(found) and np.abs(found / d - 1).min() > 1e-3:
+        sys.exit(f"FAIL  compare.py has grains of {1e3 * d:.4g} mm, the run's have {1e3 * found.min():.4g}" + (f" to {1e3 * found.max():.4g}" if np.ptp(found) > 1e-3 * d else "") +
+                 " mm: change it at the top of compare.py, too")
+    try:
+        with open(os.path.join(folder, "log.liggghts"), errors="replace") as f:
+            densities = [float(m) for m in re.findall(r"^  particles  .*, diameter [\d.e-]+ m, density ([\d.e+]+) kg/m3", f.read(), re.M)]
+    except OSError:
+        return
+    if densities and min(abs(density / rho - 1) for density in densities) > 1e-3:
+        sys.exit(f"FAIL  compare.py has grains of {rho:.5g} kg/m3, the run's have {densities[-1]:.5g}: change it at the top of compare.py, too")
 
 
 class Bed:
@@ -74,9 +102,11 @@ class Bed:
         tables = scene + "_" if scene else ""
         self.now = leg_tables.table(os.path.join(folder, tables + "now.txt"))
         self.mean = leg_tables.table(os.path.join(folder, tables + "mean.txt"))
-        self.begin = float(self.file["average"].attrs["from"])
-        if "weight" not in self.file["average"].attrs or self.now[-1, 0] * step <= self.begin:
-            sys.exit("the run ended before its means began: -var tend must be larger than -var tavg")
+        means = self.file["average"].attrs if "average" in self.file else {}
+        self.begin = float(means.get("from", np.inf))
+        if "weight" not in means or self.now[-1, 0] * step <= self.begin:
+            sys.exit("FAIL  the run ended before its means began: -var tend must be larger than -var tavg")
+        same_grains(folder, self.file, d, rho)
         self.x, self.y, self.z = plot_fields.nodes(self.file)
         self.cell = np.outer(np.diff(self.y), np.diff(self.x))
         self.volume = np.diff(self.z)[:, None, None] * self.cell

@@ -16,10 +16,10 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import drag_check  # noqa: E402
 import leg_tables  # noqa: E402
 import plot_fields  # noqa: E402
-from verdict import G, NO_PICTURES, Verdict, batch_error, command_line, save  # noqa: E402
+from verdict import G, NO_PICTURES, Verdict, batch_error, command_line, same_grains, save  # noqa: E402
 
 # As in.first_bed has it.
-D_P, RHO_P, DEM_STEP, SECTION = 1.2e-3, 1000.0, 1.5e-5, 0.0216 * 0.0048
+D_P, RHO_P, DEM_STEP = 1.2e-3, 1000.0, 1.5e-5
 
 
 def grains(file, status, verdict):
@@ -41,7 +41,8 @@ def ledger(status, verdict):
 def pressure(folder, file, n, short, verdict):
     """The gas carries no more than the bed, and much of it: floor and rubbing walls carry the rest."""
     rho_f = float(file["record"].attrs["density"])
-    weight = n * np.pi / 6 * D_P**3 * (RHO_P - rho_f) * G / SECTION
+    x, y, _ = plot_fields.nodes(file)
+    weight = n * np.pi / 6 * D_P**3 * (RHO_P - rho_f) * G / (np.ptp(x) * np.ptp(y))
     table = leg_tables.table(os.path.join(folder, "pressure.txt"))
     time = (table[:, 0] - table[0, 0]) * DEM_STEP
     dp = table[time >= float(file["average"].attrs["from"]), 1]
@@ -53,6 +54,7 @@ def main():
     file, verdict = h5py.File(os.path.join(folder, "first_bed.h5"), "r"), Verdict()
     with open(os.path.join(folder, "status.json")) as f:
         status = json.load(f)
+    same_grains(folder, file, D_P, RHO_P)
     n = grains(file, status, verdict)
     ledger(status, verdict)
     pressure(folder, file, n, short, verdict)

@@ -53,8 +53,7 @@ def symmetry(bed, verdict, short):
     x, y, z = plot_fields.nodes(bed.file, "particle_grid")
     theta = plot_fields.open_share(bed.file, "particle_grid")
     solids = (1 - average["eps"][:]) * theta * np.diff(z)[:, None, None]
-    X, Y = plot_fields.centres(x) - X0, plot_fields.centres(y) - Y0
-    half = len(X) // 2
+    half = (len(x) - 1) // 2
     quarters = np.array([solids[:, :half, :half].sum(), solids[:, :half, -half:].sum(), solids[:, -half:, :half].sum(), solids[:, -half:, -half:].sum()])
     off = 4 * quarters / quarters.sum() - 1
     verdict.at_most(0.06, np.abs(off).max(), "mean solids in the four quarters, less a fourth: " + ", ".join(f"{100 * q:+.1f}" for q in off) + " % (wanted 6 %)", short)

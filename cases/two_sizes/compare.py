@@ -97,8 +97,8 @@ def light(beds, verdict, short):
         late = b.t > 0.7 * b.length
         ratio, error, _ = correlated_mean(b.zL[late] / b.zS[late])
         up = b.t[np.nonzero(b.zL > b.zS)[0]]
-        verdict.between(1.3, ratio, np.inf, f"formulation {scene[-1]}: {b.large.sum()} spheres of {rho:.0f} kg/m3, from the floor of a bed of {solid * RHO_SMALL:.0f} kg/m3, pass its middle after " +
-                        (f"{up[0]:.2f} s" if len(up) else "never") + f" and are then at {ratio:.2f} +- {error:.2f} of its mean height (wanted: more than 1.3; 2 is the surface)", short)
+        verdict.between(1.3, ratio, np.inf, f"formulation {scene[-1]}: {b.large.sum()} spheres of {rho:.0f} kg/m3, from the floor of a bed of {solid * RHO_SMALL:.0f} kg/m3, " +
+                        (f"pass its middle after {up[0]:.2f} s" if len(up) else "do not pass its middle") + f" and are then at {ratio:.2f} +- {error:.2f} of its mean height (wanted: more than 1.3; 2 is the surface)", short)
 
 
 def draw(beds, mixing):
