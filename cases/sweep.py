@@ -148,6 +148,8 @@ def main():
         if not 1 <= options.index <= len(jobs):
             raise Wrong(f"--index {options.index}: 1 to {len(jobs)} are there")
         jobs = jobs[options.index - 1:options.index]
+    if study.reference and not study.module and not re.search(r"\baverage\b|^\s*include\b", study.script, re.M):
+        raise Wrong("the script has no means to compare: it wants 'fix_modify ID output ... average from T', or the study a measure.py")
     print(f"{study.title}", flush=True)
     execute(jobs, executable, os.path.join(results, "out"), options.j or free_cores(), options.again,
             lambda line: print(line, flush=True))
@@ -158,9 +160,10 @@ def main():
         lines, good = compare_short(study, rows, os.path.join(study.folder, "table.csv"))
         print("\n".join(lines))
         return 0 if good else 1
-    head = [study.title, f"executable {version(executable)}; cpu_s: user and system time of the run less that of an empty script"]
+    reference = ", ".join(f"{k} {v}" for k, v in study.reference.table.items() if v != "") if study.reference else ""
+    head = [study.title, *([f"compared with the run of {reference}"] if reference else []), f"executable {version(executable)}; cpu_s: user and system time of the run less that of an empty script"]
     write_table(os.path.join(results, "table.csv"), rows, head)
-    said = recommendation(study.title, rows, study.error, study.keys)
+    said = recommendation(study.title, rows, study.error, study.keys, reference)
     if study.module and hasattr(study.module, "conclude"):
         said += "\n" + study.module.conclude(rows).rstrip() + "\n"
     with open(os.path.join(results, "recommendation.txt"), "w") as f:

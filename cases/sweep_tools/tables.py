@@ -37,6 +37,11 @@ def noise_of(row, error):
     return value if isinstance(value, float) and math.isfinite(value) else 0.0
 
 
+def percent(row, error):
+    noise = noise_of(row, error)
+    return f"{100 * row[error]:.2g} %" + (f" +- {100 * noise:.2g} %" if noise else "")
+
+
 def front_of(rows, error):
     """Runs that no other beats in both, cheapest first."""
     best, out = math.inf, []
@@ -57,8 +62,9 @@ def beaten(r, rows, error):
     return False
 
 
-def recommendation(study_title, rows, errors, keys):
-    out = [study_title, ""]
+def recommendation(study_title, rows, errors, keys, reference=""):
+    """reference: the choices that errors are taken against, in words."""
+    out = [study_title, *([f"Compared with the run of {reference}"] if reference else []), ""]
     for error in errors:
         good = usable(rows, error)
         out.append(f"Error: {error}; a run counts when its error and its standard error together are below")
@@ -66,11 +72,10 @@ def recommendation(study_title, rows, errors, keys):
             enough = [r for r in good if r[error] + noise_of(r, error) <= level]
             if enough:
                 r = min(enough, key=lambda r: (r["cpu_s"], r[error]))
-                noise = f" +- {100 * noise_of(r, error):.2g} %" if noise_of(r, error) else ""
-                out.append(f"  {100 * level:3.0f} %: {r['name']} ({100 * r[error]:.2g} %{noise}; {r['cpu_s']:.2g} s of CPU)")
+                out.append(f"  {100 * level:3.0f} %: {r['name']} ({percent(r, error)}; {r['cpu_s']:.2g} s of CPU)")
             elif good:
-                r = min(good, key=lambda r: r[error])
-                out.append(f"  {100 * level:3.0f} %: none; the nearest is {r['name']} ({100 * r[error]:.2g} %, {r['cpu_s']:.2g} s)")
+                r = min(good, key=lambda r: r[error] + noise_of(r, error))
+                out.append(f"  {100 * level:3.0f} %: none; the nearest is {r['name']} ({percent(r, error)}; {r['cpu_s']:.2g} s of CPU)")
         never = []
         for key in keys:
             values = list(dict.fromkeys(r[key] for r in good if r.get(key) not in (None, "")))

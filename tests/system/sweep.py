@@ -65,6 +65,13 @@ def wrong_input(c, folder, executable):
         sentence = done.stdout.strip().split("\n")[-1]
         good = done.returncode != 0 and "Traceback" not in done.stdout and all(w in sentence for w in wanted)
         c.true(f"{name}: {sentence[:150]}", good)
+    before = len(runs(folder))
+    with open(os.path.join(folder, "in.bed")) as f:
+        script = f.read()
+    with open(os.path.join(folder, "in.meanless"), "w") as f:
+        f.write(script.replace(" average from 0", ""))
+    done = subprocess.run([sys.executable, TOOL, "in.meanless", "--executable", executable, "--choice", "every=5,10", "--reference", "finest"], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    c.true(f"no means: {done.stdout.strip()[:120]}", done.returncode != 0 and "average from" in done.stdout and len(runs(folder)) == before)
     done = sweep(folder, os.path.join(folder, "nothing"), "--choice", "every=5", "--reference", "finest")
     c.true(f"no executable: {done.stdout.strip()[:120]}", done.returncode != 0 and "build it" in done.stdout and "Traceback" not in done.stdout)
 
@@ -81,7 +88,7 @@ def choices_reach_script(c, folder, executable):
                    "kn peratomtypepair 1 55"):
         c.true(f"the script says '{wanted}'", wanted in text)
     table = open(os.path.join(folder, "sweep", "table.csv")).read() if done.returncode == 0 else ""
-    c.true("table: the run that is not the reference", table.count("every=20") == 1 and "every=10" not in table)
+    c.true("table: the run that is not the reference", table.count("every=20") == 1 and "every=10" not in table and "compared with the run of every 10" in table)
     c.true("picture and recommendation are there", all(os.path.exists(os.path.join(folder, "sweep", f)) for f in ("error_cost.png", "recommendation.txt")))
 
 
