@@ -84,23 +84,41 @@ def setup(run):
     return pictures(picture, f"<div>{table([], rows)}</div>")
 
 
+def differences(c, reference):
+    """A curve's differences from a reference where both are, its standard errors there (None without), how many points have been left out, whose points they are.
+    A line is looked up at the run's x, within the line's range; the run at the x of measured points, within the run's range: neither is known beyond."""
+    x, y = np.array(c["x"], float), np.array(c["mean"], float)
+    error = np.array(c["error"], float) if c.get("error") is not None else np.full(len(x), np.nan)
+    to_x, to_y = np.array(reference["x"], float), np.array(reference["y"], float)
+    order = np.argsort(to_x if reference.get("line") else x, kind="stable")
+    if reference.get("line"):
+        off, near = y - np.interp(x, to_x[order], to_y[order], np.nan, np.nan), error
+    else:
+        once = np.all(np.diff(x[order]) > 0)  # else the run has several values at one x
+        inside = lambda v: np.interp(to_x, x[order], v[order], np.nan, np.nan) if once else np.full(len(to_x), np.nan)
+        off, near = inside(y) - to_y, inside(error)
+    known = np.isfinite(off)
+    return off[known], near[known] if np.any(np.isfinite(near)) else None, int(np.sum(~known)), "the run's" if reference.get("line") else "its"
+
+
 def curve(c):
     """A curve of compared.json, with how far it is from its references."""
     said = []
     unit = " " + c["y_label"].split(" / ")[1].strip("()") if " / " in c["y_label"] else ""
     for r in c.get("references", []):
-        off = np.interp(r["x"], c["x"], c["mean"]) - np.array(r["y"], float) if np.all(np.diff(c["x"]) > 0) else None
-        if off is not None and len(off):
-            text = f"{r['label']}: root mean square difference {np.sqrt(np.mean(off**2)):.3g}{unit}, mean {np.mean(off):+.3g}{unit}"
-            if c.get("error") is not None:
-                error = np.interp(r["x"], c["x"], c["error"])
-                text += f"; {int(np.sum(np.abs(off) > 2 * error))} of {len(off)} points further off than two standard errors of the run ({np.sqrt(np.mean(error**2)):.2g}{unit})"
-            said.append(text)
-    if not said:
-        said.append("no reference")
-    better = "Nearer is better" if c.get("references") else ""
+        off, error, left_out, whose = differences(c, r)
+        if len(off):
+            text = f"{r['label']}: root mean square difference {np.sqrt(np.mean(off**2)):.3g}{unit}, mean {np.mean(off):+.3g}{unit}, at {len(off)} of {whose} points"
+            text += f" ({left_out} left out: where only one of both is known)" if left_out else ""
+            if error is not None:
+                text += f"; {int(np.sum(np.abs(off) > 2 * error))} of {len(off)} further off than two standard errors of the run ({np.sqrt(np.nanmean(error**2)):.2g}{unit})"
+        else:
+            text = f"{r['label']}: no difference, for nowhere are both known"
+        said.append(text)
+    better = "Nearer is better" if any("root mean" in t for t in said) else ""
     band = "band: two standard errors" if c.get("error") is not None else ""
-    return drawing(figures.comparison(c), c["title"], f"{c['title']}. " + "; ".join(said) + ". " + "; ".join(w for w in (better, band) if w).capitalize() + ".")
+    told = (c["title"], "; ".join(said or ["no reference"]), "; ".join(w for w in (better, band) if w).capitalize())
+    return drawing(figures.comparison(c), c["title"], ". ".join(t for t in told if t) + ".")
 
 
 def own_pictures(run):

@@ -28,7 +28,7 @@ from harness import Checks, arguments
 CASES = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cases"))
 sys.path.insert(0, CASES)
 import report  # noqa: E402
-from report_tools import figures  # noqa: E402
+from report_tools import figures, sections  # noqa: E402
 from report_tools.run_folder import RunFolder  # noqa: E402
 
 SECTIONS = ["head", "verdict", "movie", "setup", "compared", "fields", "profiles", "pressure", "ledger", "cost", "not-modelled", "scene", "origin"]
@@ -135,6 +135,19 @@ def frequency_and_failure(c, run, scratch):
     c.below("its power against 7^2/2, relative", abs(np.sum(power) * f[0] / 24.5 - 1), 0.05)
 
 
+def curves(c):
+    """How far a curve is from what it is compared with: a line and measured points that reach beyond the run, a run of one point, one that shares no range."""
+    line, points = dict(label="line", x=[4, 2, 0], y=[8, 4, 0], line=True), dict(label="points", x=[-5, 0.5, 1, 9], y=[50, 1.5, 2.5, 50])
+    for what, x, wanted_line, wanted_points in (("a curve that the line covers in part", [0, 1, 2, 9], [1, 1, 1], [0.5, 0.5, -31]), ("the same backwards", [9, 2, 1, 0], [1, 1, 1], [0.5, 0.5, -31]),
+                                                ("one point", [1], [1], [0.5]), ("one beyond", [20], [], [])):
+        mean = [2 * v + 1 for v in x]
+        off = [sections.differences(dict(x=x, mean=mean), r) for r in (line, points)]
+        c.true(f"{what}: off the line by {off[0][0]}, off points by {off[1][0]}, left out {off[0][2]} and {off[1][2]}", all(
+            len(o[0]) == len(w) and np.allclose(np.sort(o[0]), np.sort(w)) and o[2] == n - len(w) for o, w, n in zip(off, (wanted_line, wanted_points), (len(x), 4))))
+        text = sections.curve(dict(title="t", x_label="x", y_label="y / (m/s)", x=x, mean=mean, error=None, references=[line]))
+        c.true("and it is said", ("no difference" in text) if not wanted_line else f"difference {wanted_line[0]:g} m/s" in text and ("left out" in text) == (len(x) > len(wanted_line)))
+
+
 def little(c, run, scratch):
     """A log alone; an output file cut in two; one without frames or means; nothing."""
     folder = os.path.join(scratch, "log only")
@@ -188,6 +201,7 @@ def main():
         run = os.path.join(scratch, "run")
         whole_run(c, executable, run)
         frequency_and_failure(c, run, scratch)
+        curves(c)
         little_page = os.path.join(scratch, "log only", "report.html")
         little(c, run, scratch)
         in_browser(c, [os.path.join(run, "report.html"), os.path.join(scratch, "other", "report.html"), little_page])
