@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 
 import leg_tables
+from . import run_log
 
 
 def text_of(path):
@@ -30,7 +31,7 @@ class RunFolder:
         self.status = self.read_json("status.json") or next((s for s in map(self.read_json, sorted(self.names("*.status.json"))) if s), {})
         self.verdict = text_of(self.path("verdict.txt"))
         self.compared = self.read_json("compared.json") or []
-        self.scenes = scenes(self.log)
+        self.scenes = run_log.scenes(self.log)
         self.scene = self.scenes[-1] if self.scenes else None
         self.problems = []  # what is there and can't be read
         self.output_name, self.output = self.open_output()
@@ -85,20 +86,28 @@ class RunFolder:
         match = re.search(r"-in(?:put)?\s+(\S+)", str(self.record("command_line")))
         return os.path.basename(match.group(1)) if match else os.path.basename(self.folder)
 
-    def time_step(self):
-        found = re.findall(r"^timestep\s+([0-9.eE+-]+)\s*$", self.log, re.M)
-        return float(found[-1]) if found else None
+    # ---- time -------------------------------------------------------------------------------------------------------------
+
+    def clock(self):
+        """(DEM step, fluid's time in s) in the order of steps: of the frames, else by the log."""
+        frames = [self.output["fluid"][n] for n in self.frames] if self.frames else []
+        pairs = dict((float(f["step"][()]), float(f["time"][()])) for f in frames if "step" in f and "time" in f)
+        if len(pairs) > 1:
+            return np.array(sorted(pairs.items()))
+        told = np.array(run_log.clock(self.log)).reshape(-1, 2)
+        for step, time in pairs.items() if len(told) else ():
+            told[:, 1] += time - np.interp(step, *told.T)
+        return told
 
     def time_of(self, step):
-        """Fluid time of DEM steps (s), by a frame's; None where the time step isn't known."""
-        dt = self.time_step()
-        if dt is None:
+        """Fluid time of DEM steps (s), straight between those that are known, and on as in the first and last stretch; None where none are."""
+        at = self.clock()
+        if not len(at):
             return None
-        time, at = 0.0, 0.0
-        if self.frames:
-            frame = self.output["fluid"][self.frames[0]]
-            time, at = float(frame["time"][()]), float(frame["step"][()])
-        return time + (np.asarray(step, dtype=float) - at) * dt
+        step = np.asarray(step, dtype=float)
+        i = np.clip(np.searchsorted(at[:, 0], step) - 1, 0, len(at) - 2)
+        (s0, t0), (s1, t1) = at[i].T, at[i + 1].T
+        return t0 + (step - s0) * (t1 - t0) / (s1 - s0)
 
     # ---- tables -----------------------------------------------------------------------------------------------------------
 
@@ -146,31 +155,9 @@ class RunFolder:
         """Shares of CPU time of each part, over all runs that the log tells of, and those runs' seconds."""
         parts, total = {}, 0.0
         for duration, shares in re.findall(r"^twogrid: run of (.+?); shares of CPU time: (.+)$", self.log, re.M):
-            s = seconds(duration)
+            s = run_log.seconds(duration)
             total += s
             for part, share in re.findall(r"([A-Za-z ]+?) ([\d.]+) %", shares):
                 parts[part.strip()] = parts.get(part.strip(), 0.0) + s * float(share)
         return {k: v / total for k, v in parts.items()} if total else {}, total
 
-
-def seconds(text):
-    """of 3 h 2 min 4.5 s"""
-    return sum(float(n) * {"d": 86400, "h": 3600, "min": 60, "s": 1}[u] for n, u in re.findall(r"([\d.]+) (d|h|min|s)\b", text))
-
-
-def scenes(log):
-    """Scene reports in the log: the fix, pairs of what and value, warnings."""
-    found, at = [], None
-    for line in log.split("\n"):
-        match = re.match(r"twogrid: the scene of fix (\S+)", line)
-        if match:
-            at = dict(fix=match.group(1), pairs=[], warnings=[])
-            found.append(at)
-        elif at and line.startswith("  WARNING: "):
-            at["warnings"].append(line[11:])
-        elif at and re.match(r"  \S", line):
-            words = re.split(r"\s{2,}", line.strip(), maxsplit=1)
-            at["pairs"].append((words[0], words[1]) if len(words) == 2 else (line[2:24].strip(), line[24:].strip()))
-        else:
-            at = None
-    return found

@@ -158,6 +158,15 @@ def profiles(run):
             f"{'' if n > 3 else ': too few to be trusted'}.</p>" + pictures(*(drawing(f, label, label.split(" / ")[0]) for label, f in drawn)))
 
 
+def even_part(time):
+    """The longest stretch of points at equal distances in time: its first point and the one behind it."""
+    gaps = np.diff(time)
+    changes = np.flatnonzero(np.abs(np.diff(gaps)) > 0.01 * np.minimum(gaps[1:], gaps[:-1])) + 1
+    ends = [0, *changes, len(gaps)]
+    first, last = max(zip(ends, ends[1:]), key=lambda e: e[1] - e[0])
+    return first, last + 1
+
+
 def pressure(run):
     series = run.series(4)
     if not series or len(series[1]) < 2:
@@ -168,16 +177,20 @@ def pressure(run):
     drawn = [drawing(figures.pressure_series(time if time is not None else step, values, begin, time is not None), "pressure drop over time",
                      f"From {name}, {len(step)} points." + (" Grey: before the means begin." if begin else ""))]
     used = np.ones(len(step), bool) if begin is None or (time >= begin).sum() < 32 else time >= begin
-    gaps = np.diff(step[used])
-    even = len(gaps) > 1 and np.ptp(gaps) < 0.01 * np.median(gaps)
-    if used.sum() < 32 or time is None or not even or np.ptp(values[used]) == 0:
-        return pictures(*drawn) + missing(f"No spectrum: it takes 32 points at equal distances (here {used.sum()}) and the DEM step" + ("." if time is not None else ", which the log doesn't say."))
-    period = np.median(gaps) * run.time_step()
-    f, power, parts = figures.spectrum(values[used], period)
+    if time is None:
+        return pictures(*drawn) + missing("No spectrum: the time of a DEM step isn't known; neither frames of the output nor the log tell it.")
+    t, v = time[used], values[used]
+    first, end = even_part(t)
+    part = "" if end - first == len(t) else f" of {len(t)}, the longest part at equal distances in time, {t[first]:.4g} to {t[end - 1]:.4g} s (elsewhere the time step or the table's interval is another, or rows lack),"
+    t, v = t[first:end], v[first:end]
+    if len(t) < 32 or np.ptp(v) == 0:
+        return pictures(*drawn) + missing(f"No spectrum: {'all values are the same' if len(t) > 31 else f'it takes 32 points at equal distances in time, and there are {len(t)}'}{part.rstrip(',')}.")
+    period = (t[-1] - t[0]) / (len(t) - 1)
+    f, power, parts = figures.spectrum(v, period)
     peak = f[np.argmax(power)]
     few = " That is the longest period that it can tell: the series is too short." if peak <= 1.5 * f[0] else ""
     drawn.append(drawing(figures.spectrum_figure(f, power, peak), "spectrum of the pressure drop",
-                         f"Spectrum from {used.sum()} points over {used.sum() * period:.3g} s, {parts} part(s), resolution {f[0]:.2g} Hz.{few}"))
+                         f"Spectrum from {len(t)} points{part} over {len(t) * period:.3g} s, {parts} part(s), resolution {f[0]:.2g} Hz.{few}"))
     return pictures(*drawn)
 
 

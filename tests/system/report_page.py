@@ -28,7 +28,7 @@ from harness import Checks, arguments
 CASES = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cases"))
 sys.path.insert(0, CASES)
 import report  # noqa: E402
-from report_tools import figures, sections  # noqa: E402
+from report_tools import figures, run_log, sections  # noqa: E402
 from report_tools.run_folder import RunFolder  # noqa: E402
 
 SECTIONS = ["head", "verdict", "movie", "setup", "compared", "fields", "profiles", "pressure", "ledger", "cost", "not-modelled", "scene", "origin"]
@@ -135,6 +135,36 @@ def frequency_and_failure(c, run, scratch):
     c.below("its power against 7^2/2, relative", abs(np.sum(power) * f[0] / 24.5 - 1), 0.05)
 
 
+def changed_time_step(c, run, scratch):
+    """The fluid's time at DEM steps: of frames after whose second the time step is halved; of a log with a change, a comment and what a run repeats that goes on from a checkpoint."""
+    folder = os.path.join(scratch, "halved")
+    shutil.copytree(run, folder)
+    with h5py.File(os.path.join(folder, "first_bed.h5"), "r+") as f:
+        del f["average"]
+        frames = [f["fluid"][n] for n in sorted(f["fluid"])]
+        begin, middle = frames[0]["step"][()], frames[1]["step"][()]
+        at = frames[1]["time"][()]
+        for frame in frames[2:]:
+            frame["time"][()] = at + 0.75e-5 * (frame["step"][()] - middle)
+    steps = np.array([begin, middle, middle + 1000, middle + 2500])
+    wanted = 1.5e-5 * (steps - begin) - 0.75e-5 * np.maximum(steps - middle, 0)
+    c.below("time at steps before and after the time step is halved, by the frames, s", np.abs(RunFolder(folder).time_of(steps) - wanted).max(), 1e-9)
+    text = page_of(folder, "pressure")[0].sections["pressure"]
+    c.true(f"the spectrum is of the rows at equal distances alone: {re.findall('Spectrum from .*?,', text)}", "51 points of 60" in text)
+    with open(os.path.join(run, "log.liggghts"), errors="replace") as f:
+        log = f.read()
+    scene = log.index("twogrid: the scene of fix")
+    report = log[scene:log.index("Setting up run", scene)]
+    table = lambda *steps: "    Step   gas[4] \n" + "".join(f"{s:8.0f}   7.5e1 \n" for s in steps) + "Loop time of 1\n"
+    halved = report + table(begin, middle) + "timestep  0.75e-5 # half\n" + table(middle, middle + 2000)
+    with open(os.path.join(folder, "log.liggghts"), "w") as f:
+        f.write("LIGGGHTS (Version x)\n" + halved)
+    os.remove(os.path.join(folder, "first_bed.h5"))
+    c.below("by the log", np.abs(RunFolder(folder).time_of(steps) - wanted).max(), 1e-9)
+    went_on = report + "twogrid: the fluid goes on from x/gas.h5, t = 0.3 s\n" + table(begin, middle)
+    c.below("of a log that goes on at 0.3 s", np.abs(np.array(run_log.clock(went_on))[:, 1] - 0.3 - 1.5e-5 * np.array([0, middle - begin, middle - begin + 1])).max(), 1e-9)
+
+
 def curves(c):
     """How far a curve is from what it is compared with: a line and measured points that reach beyond the run, a run of one point, one that shares no range."""
     line, points = dict(label="line", x=[4, 2, 0], y=[8, 4, 0], line=True), dict(label="points", x=[-5, 0.5, 1, 9], y=[50, 1.5, 2.5, 50])
@@ -202,6 +232,7 @@ def main():
         whole_run(c, executable, run)
         frequency_and_failure(c, run, scratch)
         curves(c)
+        changed_time_step(c, run, scratch)
         little_page = os.path.join(scratch, "log only", "report.html")
         little(c, run, scratch)
         in_browser(c, [os.path.join(run, "report.html"), os.path.join(scratch, "other", "report.html"), little_page])
