@@ -26,15 +26,16 @@ def is_log(path):
 class RunFolder:
     def __init__(self, folder):
         self.folder = os.path.abspath(folder)
+        self.problems = []  # what is there and can't be read, or isn't of one run
+        self.output_name, self.output = self.open_output()
         self.log_name = self.find_log()
         self.log = text_of(self.path(self.log_name)) if self.log_name else ""
-        self.status = self.read_json("status.json") or next((s for s in map(self.read_json, sorted(self.names("*.status.json"))) if s), {})
+        self.status = self.find_status()
+        self.same_run()
         self.verdict = text_of(self.path("verdict.txt"))
         self.compared = self.read_json("compared.json") or []
         self.scenes = run_log.scenes(self.log)
         self.scene = self.scenes[-1] if self.scenes else None
-        self.problems = []  # what is there and can't be read
-        self.output_name, self.output = self.open_output()
         self.frames = sorted(self.output["fluid"]) if self.output and "fluid" in self.output else []
         self.fix = self.scene["fix"] if self.scene else "gas"
 
@@ -47,10 +48,34 @@ class RunFolder:
         return [os.path.basename(p) for p in glob.glob(os.path.join(glob.escape(self.folder), pattern))]
 
     def find_log(self):
-        """log.liggghts, else the newest file that begins as LIGGGHTS' logs do."""
+        """The log that the output file's run wrote; without, log.liggghts, else the newest file that begins as LIGGGHTS' logs do."""
         candidates = {"log.liggghts", *self.names("log.*"), *self.names("*.log")}
         logs = [n for n in candidates if os.path.isfile(self.path(n)) and is_log(self.path(n)) and not re.search(r"\.\d+$", n)]
-        return max(logs, key=lambda n: (n == "log.liggghts", os.path.getmtime(self.path(n))), default=None)
+        named = self.argument("-log", "-l") or "log.liggghts"
+        if self.output:
+            for name in (named, os.path.basename(named)):
+                if os.path.isfile(self.path(name)) and is_log(self.path(name)):
+                    return name
+        found = max(logs, key=lambda n: (n == "log.liggghts", os.path.getmtime(self.path(n))), default=None)
+        if self.output and found:
+            self.problems.append(f"The log of the run that wrote {self.output_name}, {named}, is not here: scene, ledger and cost are those of {found}, perhaps of another run.")
+        return found
+
+    def find_status(self):
+        """What lies beside the log, named after it as twogrid does; without a log any."""
+        if not self.log_name:
+            return self.read_json("status.json") or next((s for s in map(self.read_json, sorted(self.names("*.status.json"))) if s), {})
+        folder, name = os.path.split(self.log_name)
+        stem = re.sub(r"(?<=.)\.log$", "", re.sub(r"^log\.(?=.)", "", name))
+        return self.read_json(os.path.join(folder, "status.json" if name == "log.liggghts" else stem + ".status.json")) or {}
+
+    def same_run(self):
+        """Says so where the output file was not made while the program ran that the log's status file tells of."""
+        made = str(self.leg("date"))
+        began, ended = (str(self.status.get(k) or "") for k in ("started", "date"))
+        if made and began and (made < began or (self.status.get("state") != "running" and made > ended)):
+            self.problems.append(f"{self.output_name} was made or gone on with at {made}, but the program that wrote {self.log_name or 'status.json'} ran from {began} to {ended}: "
+                                 "pictures and means are of one run, scene, ledger and cost of another.")
 
     def read_json(self, name):
         try:
@@ -82,9 +107,19 @@ class RunFolder:
         value = self.output["record/settings"].attrs.get(key, default)
         return value.decode() if isinstance(value, bytes) else str(value)
 
+    def leg(self, key):
+        """What the newest leg of the output's run has put on record."""
+        legs = sorted((int(n[4:]) for n in self.output["record"] if re.fullmatch(r"leg_\d+", n)), reverse=True) if self.output else []
+        value = next((self.output[f"record/leg_{n}"].attrs[key] for n in legs if key in self.output[f"record/leg_{n}"].attrs), self.record(key))
+        return value.decode() if isinstance(value, bytes) else value
+
+    def argument(self, *switches):
+        """What follows a switch of the newest leg's command line, which has no quotes: up to the next switch."""
+        match = re.search(rf"\s(?:{'|'.join(switches)})\s+(.+?)(?=\s+-[A-Za-z]|\s*$)", str(self.leg("command_line")))
+        return match.group(1) if match else None
+
     def title(self):
-        match = re.search(r"-in(?:put)?\s+(\S+)", str(self.record("command_line")))
-        return os.path.basename(match.group(1)) if match else os.path.basename(self.folder)
+        return os.path.basename(self.argument("-in", "-i") or self.folder)
 
     # ---- time -------------------------------------------------------------------------------------------------------------
 
@@ -140,9 +175,9 @@ class RunFolder:
         return dict(zip(names, np.array(rows).T)) if rows else {}
 
     def series(self, i):
-        """f_ID[i] over the steps, from the table that has most rows of it, else from LIGGGHTS' table: where from, steps, values; None."""
+        """f_ID[i] over the steps, from the table that has most rows of it (of those that the log names, if any), else from LIGGGHTS' table: where from, steps, values; None."""
         best = max(((name, rows[:, 0], rows[:, columns.index(f"f_{self.fix}[{i}]")]) for name, columns, rows in self.tables() if f"f_{self.fix}[{i}]" in columns),
-                   key=lambda t: len(t[1]), default=None)
+                   key=lambda t: (t[0] in self.log, len(t[1])), default=None)
         if best:
             return best
         thermo = self.thermo()

@@ -165,6 +165,29 @@ def changed_time_step(c, run, scratch):
     c.below("of a log that goes on at 0.3 s", np.abs(np.array(run_log.clock(went_on))[:, 1] - 0.3 - 1.5e-5 * np.array([0, middle - begin, middle - begin + 1])).max(), 1e-9)
 
 
+def two_runs(c, run, scratch):
+    """A run with a log of another name, whose path has blanks, beside what a failed one has left; an output file older than the log; one whose log is gone."""
+    folder = os.path.join(scratch, "two")
+    shutil.copytree(run, folder)
+    at = lambda name: os.path.join(folder, name)
+    os.rename(at("log.liggghts"), at("log.of mine"))
+    os.rename(at("status.json"), at("of mine.status.json"))
+    with open(at("of mine.status.json")) as f:
+        status = json.load(f)
+    with open(at("log.liggghts"), "w") as f:
+        f.write("LIGGGHTS (Version x)\nERROR: another run\n")
+    with open(at("status.json"), "w") as f:
+        json.dump(dict(status, state="error", error="another run", started="2100-01-01T00:00:00Z", date="2100-01-01T00:00:01Z"), f)
+    with h5py.File(at("first_bed.h5"), "r+") as f:
+        f["record"].attrs["command_line"] = "twogrid -in /own cases/in.Bett größe -log log.of mine -var out . "
+    page, failed = page_of(folder, "head", "scene", "cost")
+    c.true(f"a log of another name {failed}", "finished" in page.sections["head"] and "another run" not in page.sections["head"] and "Ergun" in page.sections["scene"] and "DEM" in page.sections["cost"])
+    c.true("the title is the script's name, with its blank", "<h1>in.Bett größe</h1>" in page.raw)
+    os.remove(at("log.of mine"))
+    page, _ = page_of(folder, "head")
+    c.true("its log gone", "log.of mine, is not here" in page.sections["head"] and "of one run, scene, ledger and cost of another" in page.sections["head"])
+
+
 def curves(c):
     """How far a curve is from what it is compared with: a line and measured points that reach beyond the run, a run of one point, one that shares no range."""
     line, points = dict(label="line", x=[4, 2, 0], y=[8, 4, 0], line=True), dict(label="points", x=[-5, 0.5, 1, 9], y=[50, 1.5, 2.5, 50])
@@ -231,6 +254,7 @@ def main():
         run = os.path.join(scratch, "run")
         whole_run(c, executable, run)
         frequency_and_failure(c, run, scratch)
+        two_runs(c, run, scratch)
         curves(c)
         changed_time_step(c, run, scratch)
         little_page = os.path.join(scratch, "log only", "report.html")
