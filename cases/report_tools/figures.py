@@ -241,14 +241,14 @@ def comparison(curve):
 
 # ---- in time --------------------------------------------------------------------------------------------------------------
 
-def pressure_series(time, values, begin, in_seconds):
+def pressure_series(time, values, begin, used, in_seconds):
+    """used: the rows that the mean is of."""
     figure, ax = plt.subplots(figsize=(WIDE, 2.7), layout="constrained")
     ax.plot(time, values, color="#332288", linewidth=0.8)
     if begin is not None and begin > time[0]:
         ax.axvspan(time[0], begin, color="0.9", linewidth=0)
-    used = values if begin is None else values[time >= begin]
-    if len(used):
-        ax.axhline(used.mean(), color="#cc6677", linewidth=1, label=f"mean {used.mean():.4g} Pa")
+    if used.any():
+        ax.axhline(values[used].mean(), color="#cc6677", linewidth=1, label=f"mean {values[used].mean():.4g} Pa")
         legend_above(ax, 1)
     low, high = np.percentile(values[len(values) // 50:], [0.5, 99.5])
     ax.set_ylim(low - 0.15 * (high - low) - 1e-12, high + 0.15 * (high - low) + 1e-12)

@@ -1,4 +1,5 @@
 """What a run has left in its folder: log, status.json, output file, tables of fix ave/time, the comparison's verdict. Any of it may lack."""
+import functools
 import glob
 import json
 import os
@@ -123,6 +124,7 @@ class RunFolder:
 
     # ---- time -------------------------------------------------------------------------------------------------------------
 
+    @functools.cached_property
     def clock(self):
         """(DEM step, fluid's time in s) in the order of steps: of the frames, else by the log."""
         frames = [self.output["fluid"][n] for n in self.frames] if self.frames else []
@@ -136,13 +138,24 @@ class RunFolder:
 
     def time_of(self, step):
         """Fluid time of DEM steps (s), straight between those that are known, and on as in the first and last stretch; None where none are."""
-        at = self.clock()
+        at = self.clock
         if not len(at):
             return None
         step = np.asarray(step, dtype=float)
         i = np.clip(np.searchsorted(at[:, 0], step) - 1, 0, len(at) - 2)
         (s0, t0), (s1, t1) = at[i].T, at[i + 1].T
         return t0 + (step - s0) * (t1 - t0) / (s1 - s0)
+
+    def means_begin(self):
+        """Fluid time from which the means are (s); None without."""
+        value = self.output["average"].attrs.get("from") if self.output and "average" in self.output else None
+        return None if value is None or not np.isfinite(value) else float(value)
+
+    def averaged(self, step):
+        """Rows at these steps that lie in the time of the means, as cases/verdict.py counts: a row stands for the half of its interval before it. All where there are no means."""
+        time = self.time_of(step - 0.5 * (step[1] - step[0]))
+        begin = self.means_begin()
+        return np.ones(len(step), bool) if begin is None or time is None else time > begin
 
     # ---- tables -----------------------------------------------------------------------------------------------------------
 

@@ -173,18 +173,17 @@ def pressure(run):
         return missing(f"No series of the pressure drop: fix NAME all ave/time 1 50 50 f_{run.fix}[4] file FILE.txt writes one, thermo_style custom ... f_{run.fix}[4] a coarse one.")
     name, step, values = series
     time = run.time_of(step)
-    begin = float(run.output["average"].attrs["from"]) if run.output and "average" in run.output and time is not None else None
-    drawn = [drawing(figures.pressure_series(time if time is not None else step, values, begin, time is not None), "pressure drop over time",
-                     f"From {name}, {len(step)} points." + (" Grey: before the means begin." if begin else ""))]
-    used = np.ones(len(step), bool) if begin is None or (time >= begin).sum() < 32 else time >= begin
+    begin, used = run.means_begin() if time is not None else None, run.averaged(step)
+    grey = "" if used.all() else " Grey: before the means begin; the mean, and the spectrum if there is one, are of the rows after." if used.any() else " No row lies in the time of the means yet: no mean."
+    drawn = [drawing(figures.pressure_series(time if time is not None else step, values, begin, used, time is not None), "pressure drop over time", f"From {name}, {len(step)} points.{grey}")]
     if time is None:
         return pictures(*drawn) + missing("No spectrum: the time of a DEM step isn't known; neither frames of the output nor the log tell it.")
     t, v = time[used], values[used]
-    first, end = even_part(t)
+    first, end = even_part(t) if len(t) > 1 else (0, len(t))
     part = "" if end - first == len(t) else f" of {len(t)}, the longest part at equal distances in time, {t[first]:.4g} to {t[end - 1]:.4g} s (elsewhere the time step or the table's interval is another, or rows lack),"
     t, v = t[first:end], v[first:end]
     if len(t) < 32 or np.ptp(v) == 0:
-        return pictures(*drawn) + missing(f"No spectrum: {'all values are the same' if len(t) > 31 else f'it takes 32 points at equal distances in time, and there are {len(t)}'}{part.rstrip(',')}.")
+        return pictures(*drawn) + missing(f"No spectrum: {'all values are the same' if len(t) > 31 else f'it takes 32 points at equal distances in time, and there are {len(t)}'}{part.rstrip(',')}{' after the means begin' if not used.all() else ''}.")
     period = (t[-1] - t[0]) / (len(t) - 1)
     f, power, parts = figures.spectrum(v, period)
     peak = f[np.argmax(power)]

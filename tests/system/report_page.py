@@ -17,6 +17,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import types
 
 import h5py
 import numpy as np
@@ -28,6 +29,7 @@ from harness import Checks, arguments
 CASES = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cases"))
 sys.path.insert(0, CASES)
 import report  # noqa: E402
+import verdict  # noqa: E402
 from report_tools import figures, run_log, sections  # noqa: E402
 from report_tools.run_folder import RunFolder  # noqa: E402
 
@@ -165,6 +167,21 @@ def changed_time_step(c, run, scratch):
     c.below("of a log that goes on at 0.3 s", np.abs(np.array(run_log.clock(went_on))[:, 1] - 0.3 - 1.5e-5 * np.array([0, middle - begin, middle - begin + 1])).max(), 1e-9)
 
 
+def rows_of_means(c, run, scratch):
+    """The mean pressure drop is of the rows that cases/verdict.py takes: the one that ends where the means begin is not among them. Too few of them give no spectrum."""
+    folder = os.path.join(scratch, "rows")
+    shutil.copytree(run, folder)
+    steps = np.loadtxt(os.path.join(folder, "pressure.txt"))[:, 0]
+    begin = float(RunFolder(folder).time_of(steps[-31]))
+    with h5py.File(os.path.join(folder, "first_bed.h5"), "r+") as f:
+        f["average"].attrs["from"] = begin
+    r = RunFolder(folder)
+    bed = types.SimpleNamespace(step=1.5e-5, begin=begin + 1.5e-5 * float(r.clock[0, 0]))  # its steps count from the fluid's first
+    c.true(f"rows of the means: {r.averaged(steps).sum()} (wanted: 30)", r.averaged(steps).sum() == 30 and np.array_equal(r.averaged(steps), verdict.Bed.averaged(bed, steps[:, None])))
+    page, _ = page_of(folder, "pressure")
+    c.true("no spectrum of so few", len(page.pictures["pressure"]) == 1 and "there are 30 after the means begin" in page.sections["pressure"])
+
+
 def two_runs(c, run, scratch):
     """A run with a log of another name, whose path has blanks, beside what a failed one has left; an output file older than the log; one whose log is gone."""
     folder = os.path.join(scratch, "two")
@@ -255,6 +272,7 @@ def main():
         whole_run(c, executable, run)
         frequency_and_failure(c, run, scratch)
         two_runs(c, run, scratch)
+        rows_of_means(c, run, scratch)
         curves(c)
         changed_time_step(c, run, scratch)
         little_page = os.path.join(scratch, "log only", "report.html")
