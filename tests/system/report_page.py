@@ -79,7 +79,7 @@ def page_of(folder, *only):
 
 
 def whole_run(c, executable, out):
-    done = subprocess.run([os.path.join(CASES, "run"), "first_bed", "--short", "--ranks", "1", "--out", out, "-var", "settle", "1500", "-var", "tend", "0.045"], stdout=subprocess.PIPE,
+    done = subprocess.run([os.path.join(CASES, "run"), "first_bed", "--short", "--ranks", "1", "--out", out, "-var", "settle", "1500", "-var", "tend", "0.045", "-var", "tavg", "0.02"], stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, errors="replace", env={**os.environ, "TWOGRID": os.path.abspath(executable), "TWOGRID_NO_PICTURES": "1"}, timeout=100)
     last = done.stdout.strip().split("\n")[-1]
     if not c.true(f"a case's run ends with {last}", done.returncode == 0 and last == f"report: {os.path.join(out, 'report.html')}"):
@@ -104,6 +104,7 @@ def whole_run(c, executable, out):
         log = f.read()
     share = re.search(r"shares of CPU time: DEM ([\d.]+) %", log).group(1)
     c.true(f"cost: DEM {share} %, as in the log", re.search(rf"DEM +{share} %", page.sections["cost"]))
+    c.true("nothing that doesn't belong together", 'class="failed"' not in page.raw)
     c.true("what was not modelled", "turbulence" in page.sections["not-modelled"] and "particle cells" in page.sections["not-modelled"])
     with open(os.path.join(out, "status.json")) as f:
         book = json.load(f)["ledger"]
