@@ -15,6 +15,11 @@ def legend_above(ax, columns):
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1.01), borderaxespad=0, ncols=columns, fontsize=8, handlelength=1.4, columnspacing=1.0)
 
 
+def fluid(file):
+    """What to call it, by its density."""
+    return "liquid" if float(file["record"].attrs.get("density", 0)) > 100 else "gas"
+
+
 def deep(file):
     """Depth (m) of the cut that is drawn: the middle where a mean over the depth would mix what differs; None: the mean."""
     _, along = view(file)
@@ -141,6 +146,12 @@ def bed_top(file):
     return float(np.interp(0.95, below, edges[2]))
 
 
+def beyond(values, options):
+    """Which ends of a colour bar stand for more than their value: of those that are drawn."""
+    little = 0.005 * (options["vmax"] - options["vmin"])
+    return {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[int(np.min(values) < options["vmin"] - little), int(np.max(values) > options["vmax"] + little)]
+
+
 def maps(file, which, titles):
     """Two or three maps beside each other (above each other where the bed is wide), each with its own colours."""
     across, along = view(file)
@@ -170,7 +181,7 @@ def maps(file, which, titles):
         ax.locator_params(nbins=5)
         if ratio > 6:
             ax.set_xticks([MM * edges[across][0], MM * edges[across][-1]])
-        bar = figure.colorbar(picture, ax=ax, location="bottom" if tall else "right", label=label, pad=0.02, shrink=0.86, extend="neither" if options["vmax"] == 1.0 else "both")
+        bar = figure.colorbar(picture, ax=ax, location="bottom" if tall else "right", label=label, pad=0.02, shrink=0.86, extend=beyond(shown[edges[2][:-1] < top], options))
         bar.ax.locator_params(nbins=4)
     for ax in axes[:, 0]:
         ax.set_ylabel("z / mm")

@@ -1,12 +1,14 @@
-"""An animated picture (WebP) of grains and gas: grains true to size, coloured by their vertical velocity; beside or below it the gas's velocity."""
+"""An animated picture (WebP) of grains and fluid: grains true to size, coloured by their vertical velocity; beside or below it the fluid's velocity."""
 import io
 import os
+import typing
 
 import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import plot_fields
+from . import figures
 
 FRAMES = 40          # at most
 WIDTH, HEIGHT = 720, 900   # of the picture at most, pixels
@@ -17,9 +19,9 @@ def font(size):
     return ImageFont.truetype(os.path.join(matplotlib.get_data_path(), "fonts", "ttf", "DejaVuSans.ttf"), size)
 
 
-def colours(values, low, high, name):
-    """RGB of values in a colour map."""
-    return (matplotlib.cm.get_cmap(name)(np.clip((values - low) / (high - low), 0, 1))[..., :3] * 255).astype(np.uint8)
+def colours(values, scale):
+    """RGB of values by a Scale."""
+    return (matplotlib.cm.get_cmap(scale.colours)(np.clip((values - scale.low) / (scale.high - scale.low), 0, 1))[..., :3] * 255).astype(np.uint8)
 
 
 class View:
@@ -66,16 +68,50 @@ def discs(view, picture, x, radius, colour):
     flat[pixel] = (colour[which] * (1 - 0.35 * off[inside])[:, None]).astype(np.uint8)
 
 
-def frame(file, name, view, fastest, fastest_gas, theta):
+class Scale(typing.NamedTuple):
+    """What a colour stands for, from low to high, and what has been met with at least and at most: beyond the ends all has the end's colour."""
+
+    what: str
+    colours: str
+    low: float
+    high: float
+    least: float
+    most: float
+
+    def ends(self):
+        """Labels of low, middle and high."""
+        little = 0.005 * (self.high - self.low)
+        below, beyond = self.least < self.low - little, self.most > self.high + little
+        return ("\u2264 " if below else "") + f"{self.low:.3g}", f"{0.5 * (self.low + self.high):.3g}", ("\u2265 " if beyond else "") + f"{self.high:.3g}"
+
+
+def velocity_scale(what, values, signed=False):
+    """For vertical velocities, an array a frame: from 0 up; both ways alike if so much goes down that it can't be left out. But for 0.5 % of the fastest."""
+    up, down = (max(np.percentile(sign * v, 99.5) for v in values) for sign in (1, -1))
+    least, most = min(v.min() for v in values), max(v.max() for v in values)
+    fastest = max(up, down, 0) or max(most, -least) or 1.0
+    return Scale(what, "coolwarm", -fastest, fastest, least, most) if signed or down > 0.1 * up else Scale(what, "viridis", 0.0, fastest, least, most)
+
+
+def in_words(grains_scale, fluid_scale):
+    """What the colours say, for a caption: of grains and fluid."""
+    said = ["grains, red: up, blue: down"] if grains_scale else []
+    name = fluid_scale.what.split(",")[0]
+    if "velocity" not in fluid_scale.what:
+        said.append("void fraction, yellow: 1")
+    elif fluid_scale.low < 0:
+        said.append(f"{name}, red: up, blue: down, {fluid_scale.high:.3g} m/s at full colour")
+    else:
+        said.append(f"{name}, yellow: fast, {fluid_scale.high:.3g} m/s at full colour")
+    return "; ".join(said)
+
+
+def frame(file, name, view, grains_scale, fluid_scale, theta):
     """The two pictures of one frame."""
     solid = None if theta is None else view.cells(plot_fields.plane(theta, view.edges, view.along, view.depth)) == 0
     left = np.full((*view.shape, 3), 255, np.uint8)
-    if "u" in file["fluid"][name]:
-        gas = view.cells(np.asarray(plot_fields.plane(file["fluid"][name]["u"][..., 2], view.edges, view.along, view.depth)))
-        right = colours(gas, 0, fastest_gas, "viridis")
-    else:
-        gas = view.cells(np.asarray(plot_fields.plane(file["fluid"][name]["eps"][:], view.edges, view.along, view.depth)))
-        right = colours(gas, 0.4, 1, "viridis")
+    values = file["fluid"][name]["u"][..., 2] if "velocity" in fluid_scale.what else file["fluid"][name]["eps"][:]
+    right = colours(view.cells(np.asarray(plot_fields.plane(values, view.edges, view.along, view.depth))), fluid_scale)
     if solid is not None:
         left[solid] = right[solid] = SOLID
     if name in file.get("particles", ()) and len(file["particles"][name]["position"]):
@@ -84,7 +120,7 @@ def frame(file, name, view, fastest, fastest_gas, theta):
         # In a deep bed what lies before the middle would hide the rest.
         keep = x[:, view.along] >= view.depth if np.ptp(view.edges[view.along]) > 16 * p["radius"][:].mean() else slice(None)
         if len(x[keep]):
-            grains(view, left, x[keep], p["radius"][:][keep], colours(v[keep], -fastest, fastest, "coolwarm"))
+            grains(view, left, x[keep], p["radius"][:][keep], colours(v[keep], grains_scale))
     return left, right
 
 
@@ -97,15 +133,15 @@ def scale_bar(view):
 
 
 def animate(file, names, most=FRAMES):
-    """WebP data, its size (pixels), frames drawn, legends (what, colour map, low, high), where the cut lies, whether only what lies behind it is drawn, whether
+    """WebP data, its size (pixels), frames drawn, the scales of grains (None without) and fluid, where the cut lies, whether only what lies behind it is drawn, whether
     the two pictures lie beside each other."""
     names = [names[i] for i in sorted({int(i) for i in np.linspace(0, len(names) - 1, min(most, len(names)))})]
     view, theta = View(file, names), plot_fields.open_share(file)
     has_u = all("u" in file["fluid"][n] for n in names)
     with_grains = [n for n in names if n in file.get("particles", ()) and len(file["particles"][n]["position"])]
-    fastest = max((np.percentile(np.abs(file["particles"][n]["velocity"][:, 2]), 99) for n in with_grains), default=0) or 1.0
-    fastest_gas = max((np.percentile(file["fluid"][n]["u"][..., 2], 99.5) for n in names), default=0) if has_u else 1.0
-    fastest_gas = fastest_gas if fastest_gas > 0 else 1.0
+    grains_scale = velocity_scale("grains, vertical velocity (m/s)", [file["particles"][n]["velocity"][:, 2] for n in with_grains], True) if with_grains else None
+    fluid_scale = (velocity_scale(f"{figures.fluid(file)}, vertical velocity (m/s)", [file["fluid"][n]["u"][..., 2] for n in names]) if has_u else
+                   Scale("void fraction", "viridis", 0.4, 1.0, min(file["fluid"][n]["eps"][:].min() for n in names), 1.0))
     h, w = view.shape
     big, pictures = font(22), []
     length, label = scale_bar(view)
@@ -116,7 +152,7 @@ def animate(file, names, most=FRAMES):
         canvas = Image.new("RGB", size, "white")
         draw = ImageDraw.Draw(canvas)
         places = ((0, head), (w + gap, head)) if view.beside else ((0, head), (0, h + 2 * head))
-        for place, part in zip(places, frame(file, name, view, fastest, fastest_gas, theta)):
+        for place, part in zip(places, frame(file, name, view, grains_scale, fluid_scale, theta)):
             canvas.paste(Image.fromarray(part), place)
             draw.rectangle((place[0], place[1], place[0] + w - 1, place[1] + h - 1), outline=(150, 150, 150))
         draw.text((2, 4), f"t = {float(file['fluid'][name]['time'][()]):.3f} s", fill="black", font=big)
@@ -126,8 +162,6 @@ def animate(file, names, most=FRAMES):
         pictures.append(canvas)
     out = io.BytesIO()
     pictures[0].save(out, "WEBP", save_all=True, append_images=pictures[1:], duration=[120] * (len(pictures) - 1) + [900], loop=0, quality=55, method=2)
-    legends = [("grains, vertical velocity (m/s)", "coolwarm", -fastest, fastest)] if with_grains else []
-    legends.append(("gas, vertical velocity (m/s)", "viridis", 0, fastest_gas) if has_u else ("void fraction", "viridis", 0.4, 1))
     where = f"cut at {'xy'[view.along]} = {1e3 * view.depth:.1f} mm"
     deep = with_grains and np.ptp(view.edges[view.along]) > 16 * file["particles"][with_grains[0]]["radius"][:].mean()
-    return out.getvalue(), size, len(names), legends, where, deep, view.beside
+    return out.getvalue(), size, len(names), (grains_scale, fluid_scale), where, deep, view.beside

@@ -57,16 +57,16 @@ def film(run):
         return missing(NO_OUTPUT)
     if not run.frames:
         return missing(NO_FRAMES)
-    data, size, n, legends, where, deep, beside = movie.animate(run.output, run.frames)
-    gas = "the gas's vertical velocity" if len(legends) > 1 and "gas" in legends[1][0] else "the gas"
+    data, size, n, scales, where, deep, beside = movie.animate(run.output, run.frames)
     caption = (f"{n} of {len(run.frames)} frames. {'Left' if beside else 'Above'}: grains, true to size" + (", those behind the cut" if deep else "") +
-               f". {'Right' if beside else 'Below'}: {gas}, {where}.")
+               f". {'Right' if beside else 'Below'}: {figures.fluid(run.output)}, {where}. Colours: {movie.in_words(*scales)}.")
     from matplotlib import cm
-    scales = ""
-    for what, colours, low, high in legends:
-        stops = ", ".join("rgb(%d %d %d)" % tuple(int(255 * c) for c in cm.get_cmap(colours)(t)[:3]) for t in np.linspace(0, 1, 9))
-        scales += f'<div class="scale">{escape(what)}<i style="background:linear-gradient(to right, {stops})"></i><span><b>{low:.3g}</b><b>{0.5 * (low + high):.3g}</b><b>{high:.3g}</b></span></div>'
-    return image(data, "webp", "grains and gas in motion", size[0] / 2, size[1] / 2, caption) + scales
+    bars_of_colour = ""
+    for scale in scales if scales[0] else scales[1:]:
+        stops = ", ".join("rgb(%d %d %d)" % tuple(int(255 * c) for c in cm.get_cmap(scale.colours)(t)[:3]) for t in np.linspace(0, 1, 9))
+        ends = "".join(f"<b>{escape(e)}</b>" for e in scale.ends())
+        bars_of_colour += f'<div class="scale">{escape(scale.what)}<i style="background:linear-gradient(to right, {stops})"></i><span>{ends}</span></div>'
+    return image(data, "webp", "grains and fluid in motion", size[0] / 2, size[1] / 2, caption) + bars_of_colour
 
 
 def setup(run):
