@@ -13,7 +13,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from report_tools import page, sections  # noqa: E402
 from report_tools.run_folder import RunFolder  # noqa: E402
 
-SECTIONS = (("head", "", sections.head), ("verdict", "Verdict", sections.verdict), ("movie", "Grains and gas", sections.film), ("setup", "Set-up and grids", sections.setup),
+SECTIONS = (("head", "", sections.head), ("verdict", "Verdict", sections.verdict), ("movie", "Grains and fluid", sections.film), ("setup", "Set-up and grids", sections.setup),
             ("compared", "Comparison", sections.compared), ("fields", "Mean fields", sections.fields), ("profiles", "Profiles", sections.profiles),
             ("pressure", "Pressure", sections.pressure), ("ledger", "Ledger", sections.ledger), ("cost", "Cost", sections.cost),
             ("not-modelled", "What was not modelled", sections.not_modelled), ("scene", "Scene report", sections.scene), ("origin", "What made this", sections.origin))

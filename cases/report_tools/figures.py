@@ -193,9 +193,11 @@ def void_fractions(file):
 
 
 def velocities(file):
-    return maps(file, [(file["average/fine/u"][..., 2], "grid", "gas, vertical\nvelocity / (m/s)", dict(cmap="coolwarm", vmin="even")),
-                       (file["average/particle_grid/solids_flux"][..., 2], "particle_grid", "solids, vertical\nflux / (m/s)", dict(cmap="coolwarm", vmin="even"))],
-                ["gas", "solids"])
+    signed = dict(cmap="coolwarm", vmin="even")
+    shown = [(file["average/fine/u"][..., 2], "grid", f"{fluid(file)}, vertical\nvelocity / (m/s)", signed)]
+    if bed_top(file) is not None:
+        shown.append((file["average/particle_grid/solids_flux"][..., 2], "particle_grid", "solids, vertical\nflux / (m/s)", signed))
+    return maps(file, shown, [fluid(file), "solids"])
 
 
 def pressure_map(file):
@@ -214,7 +216,8 @@ def profiles(file):
     levels = sorted({int(np.clip(np.searchsorted(edges[2], bottom + f * (top - bottom), side="right") - 1, 0, len(edges[2]) - 2)) for f in (0.25, 0.5, 0.75)})
     wide = lambda v: np.ma.stack([plane(b, edges, along, theta=theta) for b in v])
     drawn = []
-    for label, values in (("void fraction", wide(batch("eps"))), ("gas, vertical velocity / (m/s)", wide(batch("gas_velocity")[..., 2])), ("solids, vertical flux / (m/s)", wide(batch("solids_flux")[..., 2]))):
+    for label, values in (("void fraction", wide(batch("eps"))), (f"{fluid(file)}, vertical velocity / (m/s)", wide(batch("gas_velocity")[..., 2])),
+                          ("solids, vertical flux / (m/s)", wide(batch("solids_flux")[..., 2])))[:3 if bed_top(file) is not None else 2]:
         figure, ax = plt.subplots(figsize=(WIDE, 2.9), layout="constrained")
         for k, colour, marker in zip(levels, ("#332288", "#117733", "#cc6677"), "os^"):
             mean, error = mean_and_error(values[:, k], weight)

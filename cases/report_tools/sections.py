@@ -144,7 +144,7 @@ def fields(run):
     if top is not None:
         span += f" 95 % of the solids lie below z = {1e3 * top:.1f} mm."
     return f"<p>{escape(span)}</p>" + pictures(drawing(figures.void_fractions(run.output), "mean void fraction", "Mean void fraction on both grids."),
-                                              drawing(figures.velocities(run.output), "mean velocities", "Gas: interstitial velocity; solids: volume flux. Red is up, blue is down."),
+                                              drawing(figures.velocities(run.output), "mean velocities", f"{figures.fluid(run.output).capitalize()}: interstitial velocity" + ("; solids: volume flux" if top is not None else "") + ". Red is up, blue is down."),
                                               drawing(figures.pressure_map(run.output), "mean pressure", "Dynamic pressure and how it fluctuates."))
 
 
@@ -223,7 +223,7 @@ def cost(run):
     text = bars(shares) if shares else missing("No shares of CPU time in the log: the run has not come to its end, or its log is not here.")
     rows = []
     if total:
-        rows.append(["runs with gas", f"{total:.3g} s"])
+        rows.append(["runs with the fluid", f"{total:.3g} s"])
     rate = run.status.get("wall_seconds_per_simulated_second")
     if rate:
         rows.append(["a second of fluid time takes", f"{rate / 60:.3g} min" if rate > 90 else f"{rate:.3g} s"])
@@ -231,7 +231,7 @@ def cost(run):
         rows.append(["DEM steps a second", f"{run.status['steps_per_second']:.4g}"])
     memory = re.findall(r"^twogrid: (\S+) fine cells need about (.+?) of memory", run.log, re.M)
     if memory:
-        rows.append(["memory of the gas and the coupling", memory[-1][1]])
+        rows.append(["memory of the fluid and the coupling", memory[-1][1]])
     return text + (table([], rows) if rows else "")
 
 
