@@ -1,5 +1,7 @@
 """Figures of a run, each narrow enough for a phone: set-up and grids, mean fields, profiles with their error, comparisons, pressure and its spectrum."""
+import itertools
 import re
+import textwrap
 
 import numpy as np
 
@@ -11,8 +13,27 @@ SIDES = {"inlet": ("#1b7837", "inlet"), "pressure": ("#d95f02", "outlet (pressur
          "periodic": ("#7570b3", "periodic")}
 
 
+@plot_fields.matplotlib.ticker.FuncFormatter
+def plain(value, _):
+    """A tick's number as it is: matplotlib's own factor at the axis' end (1e-6) lies over labels and legends."""
+    return re.sub(r"e([-+])0?", r"e\1", f"{value:g}").replace("-", "\u2212")
+
+
+def ticks(axis, length, ends=()):
+    """As many as an axis of this length (inches) has room for; the ends alone, if they are given, on a short one."""
+    if length < 0.44 and len(ends):
+        axis.set_ticks(np.round(ends, 1))
+    else:
+        axis.set_major_locator(plot_fields.matplotlib.ticker.MaxNLocator(int(np.clip(length / 0.22, 1, 5)), steps=[1, 2, 5, 10]))
+    axis.set_major_formatter(plain)
+
+
 def legend_above(ax, columns):
-    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.01), borderaxespad=0, ncols=columns, fontsize=8, handlelength=1.4, columnspacing=1.0)
+    """Long names are broken, one below the other."""
+    handles, labels = ax.get_legend_handles_labels()
+    if max(map(len, labels)) > 50 / columns - 5:
+        columns, labels = 1, [textwrap.fill(label, 46) for label in labels]
+    ax.legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 1.01), borderaxespad=0, ncols=columns, fontsize=8, handlelength=1.4, columnspacing=1.0)
 
 
 def fluid(file):
@@ -121,6 +142,8 @@ def setup(file, frame, boundary):
         ax.set_aspect("equal")
         ax.set_xlabel(name + " / mm")
         ax.locator_params(nbins=5)
+        if not tall:
+            ticks(ax.yaxis, 2.9 * (np.ptp(z) / np.ptp(a) if not i else (window[3] - window[2]) / (window[1] - window[0])), () if i else (z[0], z[-1]))
         if not i and np.ptp(z) > 6 * np.ptp(a):
             ax.set_xticks([a[0], a[-1]])
         if i:
@@ -160,15 +183,16 @@ def maps(file, which, titles):
     z = nodes(file)[2]
     top = z[-1] if top is None else min(z[-1], z[0] + 1.6 * (top - z[0]))
     tall = (top - z[0]) > 1.1 * np.ptp(nodes(file)[across])
+    flat = (top - z[0]) < 0.35 * np.ptp(nodes(file)[across])  # colours below: beside it there would be no room for them
     ratio = (top - z[0]) / np.ptp(nodes(file)[across])
-    figure, axes = plt.subplots(*((1, len(which)) if tall else (len(which), 1)), figsize=(WIDE, np.clip(3.4 / len(which) * ratio + 1.3, 2.8, 6.0) if tall else len(which) * (2.9 * ratio + 0.75)),
+    figure, axes = plt.subplots(*((1, len(which)) if tall else (len(which), 1)), figsize=(WIDE, np.clip(3.4 / len(which) * ratio + 1.3, 2.8, 6.0) if tall else len(which) * (2.9 * ratio + (1.35 if flat else 0.75))),
                                 sharey="all" if tall else "none", layout="constrained", squeeze=False)
     for ax, title, (values, grid, label, options) in zip(axes.ravel(), titles, which):
         edges = nodes(file, grid)
         shown = plane(values, edges, along, depth, open_share(file, grid))
         if options.get("vmin") == "even":
             inside = edges[2][:-1] < top
-            most = float(np.percentile(np.abs(np.ma.filled(shown[inside], 0)), 99.5)) or 1e-12
+            most = float(np.percentile(np.abs(np.ma.filled(shown[inside], 0)), 99.5)) or 1.0
             options = dict(options, vmin=-most, vmax=most)
         elif "vmin" not in options:
             inside = np.ma.compressed(np.ma.asarray(shown[edges[2][:-1] < top]))
@@ -179,10 +203,14 @@ def maps(file, which, titles):
         ax.set_ylim(MM * z[0], MM * top)
         ax.set_title(title)
         ax.locator_params(nbins=5)
+        ticks(ax.yaxis, 5 if tall else 2.7 * ratio, (MM * z[0], MM * top))
         if ratio > 6:
             ax.set_xticks([MM * edges[across][0], MM * edges[across][-1]])
-        bar = figure.colorbar(picture, ax=ax, location="bottom" if tall else "right", label=label, pad=0.02, shrink=0.86, extend=beyond(shown[edges[2][:-1] < top], options))
-        bar.ax.locator_params(nbins=4)
+        below = tall or flat
+        bar = figure.colorbar(picture, ax=ax, location="bottom" if below else "right", label=label.replace("\n", " ") if flat else label, pad=0.02, shrink=0.86, aspect=40 if flat else 20,
+                              extend=beyond(shown[edges[2][:-1] < top], options))
+        ticks(bar.ax.xaxis if below else bar.ax.yaxis, (0.7 if len(which) > 1 else 2) if tall else 1 if flat else 2.3 * ratio)
+        bar.ax.tick_params(labelsize=8)
     for ax in axes[:, 0]:
         ax.set_ylabel("z / mm")
     return figure
@@ -225,6 +253,7 @@ def profiles(file):
             ax.fill_between(x, mean - 2 * error, mean + 2 * error, color=colour, alpha=0.2, linewidth=0)
         ax.set_xlabel("xy"[across] + " / mm"), ax.set_ylabel(label)
         ax.set_xlim(edges[across][0] * MM, edges[across][-1] * MM)
+        ax.yaxis.set_major_formatter(plain)
         ax.grid(alpha=0.25)
         ax.margins(y=0.12)
         legend_above(ax, 3)
@@ -242,7 +271,8 @@ def comparison(curve):
     ax.plot(x, mean, color="#332288", marker="o", markersize=3, linewidth=1.4, label="twogrid")
     if error is not None:
         ax.fill_between(x, mean - 2 * error, mean + 2 * error, color="#332288", alpha=0.2, linewidth=0)
-    for reference, style in zip(curve.get("references", []), (dict(color="k", marker="o", mfc="none", linestyle=""), dict(color="#cc6677", linestyle="--"), dict(color="#117733", linestyle="-."))):
+    styles = (dict(color="k", marker="o", mfc="none", linestyle=""), dict(color="#cc6677", marker="s", mfc="none", linestyle="--"), dict(color="#117733", marker="^", mfc="none", linestyle="-."))
+    for reference, style in zip(curve.get("references", []), itertools.cycle(styles)):
         ax.plot(reference["x"], reference["y"], markersize=4.5, label=reference["label"], **({**style, "linestyle": "-", "marker": ""} if reference.get("line") else style))
         if reference.get("tolerance") is not None:
             y = np.array(reference["y"], float)
@@ -255,6 +285,12 @@ def comparison(curve):
 
 # ---- in time --------------------------------------------------------------------------------------------------------------
 
+def pressure_limits(values):
+    """From and to: without the first jump and spikes."""
+    low, high = np.percentile(values[len(values) // 50:], [0.5, 99.5])
+    return low - 0.15 * (high - low) - 1e-12, high + 0.15 * (high - low) + 1e-12
+
+
 def pressure_series(time, values, begin, used, in_seconds):
     """used: the rows that the mean is of."""
     figure, ax = plt.subplots(figsize=(WIDE, 2.7), layout="constrained")
@@ -264,8 +300,8 @@ def pressure_series(time, values, begin, used, in_seconds):
     if used.any():
         ax.axhline(values[used].mean(), color="#cc6677", linewidth=1, label=f"mean {values[used].mean():.4g} Pa")
         legend_above(ax, 1)
-    low, high = np.percentile(values[len(values) // 50:], [0.5, 99.5])
-    ax.set_ylim(low - 0.15 * (high - low) - 1e-12, high + 0.15 * (high - low) + 1e-12)
+    ax.set_ylim(*pressure_limits(values))
+    ax.yaxis.set_major_formatter(plain)
     ax.set_xlim(time[0], time[-1])
     ax.set_xlabel("time / s" if in_seconds else "DEM step"), ax.set_ylabel("pressure drop / Pa")
     ax.grid(alpha=0.25)

@@ -175,6 +175,9 @@ def pressure(run):
     time = run.time_of(step)
     begin, used = run.means_begin() if time is not None else None, run.averaged(step)
     grey = "" if used.all() else " Grey: before the means begin; the mean, and the spectrum if there is one, are of the rows after." if used.any() else " No row lies in the time of the means yet: no mean."
+    low, high = figures.pressure_limits(values)
+    off = np.sum((values < low) | (values > high))
+    grey += f" {off} point(s) lie beyond the picture, which would have to go from {values.min():.3g} to {values.max():.3g} Pa." if off else ""
     drawn = [drawing(figures.pressure_series(time if time is not None else step, values, begin, used, time is not None), "pressure drop over time", f"From {name}, {len(step)} points.{grey}")]
     if time is None:
         return pictures(*drawn) + missing("No spectrum: the time of a DEM step isn't known; neither frames of the output nor the log tell it.")
