@@ -46,8 +46,11 @@ def main():
         sys.exit(f"report: neither a log nor an output file of twogrid in {run.folder}" + "".join(f"; {p}" for p in run.problems))
     text, failed = report(run)
     path = os.path.abspath(o.out or os.path.join(run.folder, "report.html"))
-    with open(path, "w", encoding="utf-8") as f:
-        f.write(text)
+    try:
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text)
+    except OSError as error:
+        sys.exit(f"report: {path} can't be written ({error.strerror}); --out FILE.html puts the page elsewhere")
     for line in failed:
         print(f"report: could not be drawn: {line}", file=sys.stderr)
     print(f"report: {path}")
