@@ -33,6 +33,7 @@ class RunFolder:
         self.log = text_of(self.path(self.log_name)) if self.log_name else ""
         self.status = self.find_status()
         self.same_run()
+        self.without_fluid = bool(self.log) and not re.search(r"^(twogrid: the scene of fix|twogrid: goes on from|fix\s+\S+\s+\S+\s+twogrid\b)", self.log, re.M)
         self.verdict = text_of(self.path("verdict.txt"))
         self.compared = self.read_json("compared.json") or []
         self.scenes = run_log.scenes(self.log)

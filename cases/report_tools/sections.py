@@ -7,6 +7,7 @@ import numpy as np
 from . import figures, movie
 from .page import bars, drawing, escape, image, missing, picture_file, pictures, table
 
+WITHOUT_FLUID = "the log has no fix twogrid (particles alone, so far as it goes)."
 NO_OUTPUT = "No output file of twogrid (HDF5) in this folder: fix_modify ID output every N file NAME.h5 writes one."
 NO_MEANS = "No means in the output: fix_modify ID output ... average from T makes them, once the run has passed T."
 NO_FRAMES = "No frames in the output: fix_modify ID output every N makes them."
@@ -20,14 +21,16 @@ def head(run):
     status = run.status
     state = status.get("state") or ("finished" if os.path.exists(run.path("finished")) else "state not known: no status.json")
     facts = []
-    if status.get("particles") is not None:
-        facts.append((count(status["particles"]), "grains"))
+    # LIGGGHTS' own count where no coupling has counted.
+    grains = status["particles"] if status.get("particles") is not None else next((int(n) for n in reversed(re.findall(r"^Loop time of .* with (\d+) atoms", run.log, re.M))), None)
+    if grains is not None:
+        facts.append((count(grains), "grains"))
     if run.output:
         facts.append((count(np.prod(run.record("fine"))), "fluid cells"))
     if status.get("time") is not None:
         facts.append((f"{status['time']:.4g} s", "of fluid time"))
     if status.get("wall_seconds") is not None:
-        facts.append((f"{status['wall_seconds'] / 60:.1f} min" if status["wall_seconds"] > 90 else f"{status['wall_seconds']:.0f} s", f"by the clock on {status.get('ranks', '?')} rank(s)"))
+        facts.append((f"{status['wall_seconds'] / 60:.1f} min" if status["wall_seconds"] > 90 else f"{status['wall_seconds']:.2g} s", f"by the clock on {status.get('ranks', '?')} rank(s)"))
     good, bad = run.verdict.count("PASS  "), run.verdict.count("FAIL  ")
     if good + bad:
         facts.append((f"{good} of {good + bad}", "checks passed"))
@@ -71,7 +74,7 @@ def film(run):
 
 def setup(run):
     if not run.output:
-        return missing(NO_OUTPUT + " What the log says of the grids stands in the scene report below.")
+        return missing(NO_OUTPUT + (" What the log says of the grids stands in the scene report below." if run.scene else ""))
     d = (2 * run.output["particles"][run.frames[0]]["radius"][:].mean() if run.frames and run.frames[0] in run.output.get("particles", ()) and
          len(run.output["particles"][run.frames[0]]["radius"]) else None)
     fine, ratio = run.record("fine"), run.record("ratio")
@@ -169,6 +172,8 @@ def even_part(time):
 
 def pressure(run):
     series = run.series(4)
+    if run.without_fluid:
+        return missing(f"No pressure drop: {WITHOUT_FLUID}")
     if not series or len(series[1]) < 2:
         return missing(f"No series of the pressure drop: fix NAME all ave/time 1 50 50 f_{run.fix}[4] file FILE.txt writes one, thermo_style custom ... f_{run.fix}[4] a coarse one.")
     name, step, values = series
@@ -223,7 +228,7 @@ def ledger(run):
 
 def cost(run):
     shares, total = run.costs()
-    text = bars(shares) if shares else missing("No shares of CPU time in the log: the run has not come to its end, or its log is not here.")
+    text = bars(shares) if shares else missing(f"No shares of CPU time by twogrid: {WITHOUT_FLUID}" if run.without_fluid else "No shares of CPU time in the log: the run has not come to its end, or its log is not here.")
     rows = []
     if total:
         rows.append(["runs with the fluid", f"{total:.3g} s"])
@@ -247,8 +252,10 @@ def not_modelled(run):
 
 
 def scene(run):
+    if not run.log_name:
+        return missing("No scene report: the log of a run of twogrid holds it, between its script and its first step.")
     if not run.scene:
-        return missing("No scene report: the log of a run of twogrid holds it, between its script and its first step." if not run.log_name else f"No scene report in {run.log_name}: the run has not come to fix twogrid's first step.")
+        return missing(f"No scene report in {run.log_name}: " + (WITHOUT_FLUID if run.without_fluid else "the run has not come to fix twogrid's first step."))
     more = f"<p>The last of {len(run.scenes)} in the log.</p>" if len(run.scenes) > 1 else ""
     return more + table([], [[k, v] for k, v in run.scene["pairs"] if k not in ("modelled", "not modelled", "not computed")])
 

@@ -78,6 +78,11 @@ def page_of(folder, *only):
     return Page(path), failed
 
 
+def log_of(folder):
+    with open(os.path.join(folder, "log.liggghts"), errors="replace") as f:
+        return f.read()
+
+
 def whole_run(c, executable, out):
     done = subprocess.run([os.path.join(CASES, "run"), "first_bed", "--short", "--ranks", "1", "--out", out, "-var", "settle", "1500", "-var", "tend", "0.045", "-var", "tavg", "0.02"], stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, errors="replace", env={**os.environ, "TWOGRID": os.path.abspath(executable), "TWOGRID_NO_PICTURES": "1"}, timeout=100)
@@ -100,9 +105,7 @@ def whole_run(c, executable, out):
     with open(os.path.join(out, "verdict.txt")) as f:
         passed = f.read().count("PASS")
     c.true(f"verdict: {passed} times PASS, as in verdict.txt", page.sections["verdict"].count("PASS") == passed >= 5)
-    with open(os.path.join(out, "log.liggghts"), errors="replace") as f:
-        log = f.read()
-    share = re.search(r"shares of CPU time: DEM ([\d.]+) %", log).group(1)
+    share = re.search(r"shares of CPU time: DEM ([\d.]+) %", log_of(out)).group(1)
     c.true(f"cost: DEM {share} %, as in the log", re.search(rf"DEM +{share} %", page.sections["cost"]))
     c.true("nothing that doesn't belong together", 'class="failed"' not in page.raw)
     c.true("what was not modelled", "turbulence" in page.sections["not-modelled"] and "particle cells" in page.sections["not-modelled"])
@@ -154,8 +157,7 @@ def changed_time_step(c, run, scratch):
     c.below("time at steps before and after the time step is halved, by the frames, s", np.abs(RunFolder(folder).time_of(steps) - wanted).max(), 1e-9)
     text = page_of(folder, "pressure")[0].sections["pressure"]
     c.true(f"the spectrum is of the rows at equal distances alone: {re.findall('Spectrum from .*?,', text)}", "51 points of 60" in text)
-    with open(os.path.join(run, "log.liggghts"), errors="replace") as f:
-        log = f.read()
+    log = log_of(run)
     scene = log.index("twogrid: the scene of fix")
     report = log[scene:log.index("Setting up run", scene)]
     table = lambda *steps: "    Step   gas[4] \n" + "".join(f"{s:8.0f}   7.5e1 \n" for s in steps) + "Loop time of 1\n"
@@ -228,6 +230,12 @@ def little(c, run, scratch):
     texts = page.sections
     c.true(f"a log alone {failed}", not failed and list(texts) == SECTIONS and all("No " in texts[s] for s in ("verdict", "movie", "setup", "fields", "profiles")) and
            "Ergun" in texts["scene"] and "DEM" in texts["cost"] and "turbulence" in texts["not-modelled"] and len(page.pictures["pressure"]) == 1)
+    log = re.sub(r"(?ms)^fix +gas all twogrid.*?^Setting up", "Setting up", log_of(run))  # as of particles alone
+    with open(os.path.join(folder, "log.of_a_run"), "w") as f:
+        f.write(log[:log.index("twogrid: run of")] + "Loop time of 1 on 1 procs for 1 steps with 1234 atoms\n")
+    texts = page_of(folder)[0].sections
+    c.true("particles alone: their number, and that there is no fix twogrid", re.search(r"1.234 +grains", texts["head"]) and all("no fix twogrid" in texts[s] for s in ("scene", "cost", "pressure")))
+    shutil.copy(os.path.join(run, "log.liggghts"), os.path.join(folder, "log.of_a_run"))
     with open(os.path.join(run, "first_bed.h5"), "rb") as f:
         data = f.read()
     for name, part in (("cut in two", data[:len(data) // 2]), ("empty", b"")):
@@ -247,6 +255,18 @@ def little(c, run, scratch):
     os.remove(os.path.join(folder, "log.of_a_run"))
     done = subprocess.run([os.path.join(CASES, "report.py"), folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=100)
     c.true(f"nothing: {done.stdout.strip()}", done.returncode == 1 and "neither a log nor an output file" in done.stdout and "Traceback" not in done.stdout)
+
+
+def can_t_be_written(c, run, scratch):
+    """A sentence, no traceback, where the page's place is taken by a folder or its folder isn't there."""
+    folder = os.path.join(scratch, "taken")
+    shutil.copytree(run, folder)
+    os.remove(os.path.join(folder, "first_bed.h5"))
+    os.remove(os.path.join(folder, "report.html"))
+    os.mkdir(os.path.join(folder, "report.html"))
+    for out in ([], ["--out", os.path.join(scratch, "no such folder", "a.html")]):
+        done = subprocess.run([os.path.join(CASES, "report.py"), folder, *out], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=100)
+        c.true(f"can't be written: {done.stdout.strip()}", done.returncode == 1 and done.stdout.startswith("report: ") and "--out" in done.stdout and "Traceback" not in done.stdout)
 
 
 def in_browser(c, pages):
@@ -278,6 +298,7 @@ def main():
         changed_time_step(c, run, scratch)
         little_page = os.path.join(scratch, "log only", "report.html")
         little(c, run, scratch)
+        can_t_be_written(c, run, scratch)
         in_browser(c, [os.path.join(run, "report.html"), os.path.join(scratch, "other", "report.html"), little_page])
     c.end()
 
