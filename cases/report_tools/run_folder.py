@@ -30,7 +30,9 @@ class RunFolder:
         self.problems = []  # what is there and can't be read, or isn't of one run
         self.output_name, self.output = self.open_output()
         self.log_name = self.find_log()
-        self.log = text_of(self.path(self.log_name)) if self.log_name else ""
+        self.legs = self.find_legs()
+        self.log = "\n".join(self.legs)
+        self.goes_on = "twogrid: goes on from the checkpoint" in self.log
         self.status = self.find_status()
         self.same_run()
         self.without_fluid = bool(self.log) and not re.search(r"^(twogrid: the scene of fix|twogrid: goes on from|fix\s+\S+\s+\S+\s+twogrid\b)", self.log, re.M)
@@ -62,6 +64,16 @@ class RunFolder:
         if self.output and found:
             self.problems.append(f"The log of the run that wrote {self.output_name}, {named}, is not here: scene, ledger and cost are those of {found}, perhaps of another run.")
         return found
+
+    def find_legs(self):
+        """Texts of the logs of all legs, the newest last: each that goes on from a checkpoint has put the one before aside, as NAME.1, NAME.2, ..."""
+        texts = [text_of(self.path(self.log_name))] if self.log_name else []
+        older = sorted((int(n.rsplit(".", 1)[1]) for n in self.names(glob.escape(self.log_name) + ".*") if re.search(r"\.\d+$", n)), reverse=True) if self.log_name else []
+        for number in older:
+            if "twogrid: goes on from the checkpoint" not in texts[0]:
+                break
+            texts.insert(0, text_of(self.path(f"{self.log_name}.{number}")))
+        return texts
 
     def find_status(self):
         """What lies beside the log, named after it as twogrid does; without a log any."""
@@ -183,9 +195,12 @@ class RunFolder:
                 names, rows = words, rows if words == names else []
             elif names and len(words) == len(names) and words[0].isdigit():
                 try:
-                    rows.append([float(w) for w in words])
+                    row = [float(w) for w in words]
                 except ValueError:
-                    pass
+                    continue
+                while rows and rows[-1][0] >= row[0]:  # told again by the next run, or by a leg that has begun before
+                    rows.pop()
+                rows.append(row)
         return dict(zip(names, np.array(rows).T)) if rows else {}
 
     def series(self, i):

@@ -8,6 +8,7 @@ from . import figures, movie
 from .page import bars, drawing, escape, image, missing, picture_file, pictures, table
 
 WITHOUT_FLUID = "the log has no fix twogrid (particles alone, so far as it goes)."
+LAST_LEG = ", of the last leg"
 NO_OUTPUT = "No output file of twogrid (HDF5) in this folder: fix_modify ID output every N file NAME.h5 writes one."
 NO_MEANS = "No means in the output: fix_modify ID output ... average from T makes them, once the run has passed T."
 NO_FRAMES = "No frames in the output: fix_modify ID output every N makes them."
@@ -30,7 +31,7 @@ def head(run):
     if status.get("time") is not None:
         facts.append((f"{status['time']:.4g} s", "of fluid time"))
     if status.get("wall_seconds") is not None:
-        facts.append((f"{status['wall_seconds'] / 60:.1f} min" if status["wall_seconds"] > 90 else f"{status['wall_seconds']:.2g} s", f"by the clock on {status.get('ranks', '?')} rank(s)"))
+        facts.append((f"{status['wall_seconds'] / 60:.1f} min" if status["wall_seconds"] > 90 else f"{status['wall_seconds']:.2g} s", f"by the clock on {status.get('ranks', '?')} rank(s)" + (LAST_LEG if run.goes_on else "")))
     good, bad = run.verdict.count("PASS  "), run.verdict.count("FAIL  ")
     if good + bad:
         facts.append((f"{good} of {good + bad}", "checks passed"))
@@ -231,7 +232,8 @@ def cost(run):
     text = bars(shares) if shares else missing(f"No shares of CPU time by twogrid: {WITHOUT_FLUID}" if run.without_fluid else "No shares of CPU time in the log: the run has not come to its end, or its log is not here.")
     rows = []
     if total:
-        rows.append(["runs with the fluid", f"{total:.3g} s"])
+        told = sum("shares of CPU time:" in leg for leg in run.legs)
+        rows.append(["runs with the fluid", f"{total:.3g} s" + (f", of {told} of {len(run.legs)} legs, as the shares" if len(run.legs) > 1 else LAST_LEG if run.goes_on else "")])
     rate = run.status.get("wall_seconds_per_simulated_second")
     if rate:
         rows.append(["a second of fluid time takes", f"{rate / 60:.3g} min" if rate > 90 else f"{rate:.3g} s"])
@@ -256,7 +258,8 @@ def scene(run):
         return missing("No scene report: the log of a run of twogrid holds it, between its script and its first step.")
     if not run.scene:
         return missing(f"No scene report in {run.log_name}: " + (WITHOUT_FLUID if run.without_fluid else "the run has not come to fix twogrid's first step."))
-    more = f"<p>The last of {len(run.scenes)} in the log.</p>" if len(run.scenes) > 1 else ""
+    logs = "log" if len(run.legs) == 1 else f"logs of {len(run.legs)} legs"
+    more = f"<p>The last of {len(run.scenes)} in the {logs}.</p>" if len(run.scenes) > 1 else ""
     return more + table([], [[k, v] for k, v in run.scene["pairs"] if k not in ("modelled", "not modelled", "not computed")])
 
 

@@ -236,6 +236,11 @@ def little(c, run, scratch):
     texts = page_of(folder)[0].sections
     c.true("particles alone: their number, and that there is no fix twogrid", re.search(r"1.234 +grains", texts["head"]) and all("no fix twogrid" in texts[s] for s in ("scene", "cost", "pressure")))
     shutil.copy(os.path.join(run, "log.liggghts"), os.path.join(folder, "log.of_a_run"))
+    os.rename(os.path.join(folder, "log.of_a_run"), os.path.join(folder, "log.of_a_run.1"))
+    with open(os.path.join(folder, "log.of_a_run"), "w") as f:
+        f.write("LIGGGHTS (Version x)\ntwogrid: goes on from the checkpoint y\n" + log_of(run))
+    c.true("of two legs", "of 2 of 2 legs" in page_of(folder, "cost")[0].sections["cost"] and RunFolder(folder).costs()[1] > 1.9 * RunFolder(run).costs()[1])
+    os.remove(os.path.join(folder, "log.of_a_run.1"))
     with open(os.path.join(run, "first_bed.h5"), "rb") as f:
         data = f.read()
     for name, part in (("cut in two", data[:len(data) // 2]), ("empty", b"")):
