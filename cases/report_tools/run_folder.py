@@ -135,6 +135,11 @@ class RunFolder:
     def title(self):
         return os.path.basename(self.argument("-in", "-i") or self.folder)
 
+    def gravity(self):
+        """Of the scene report, m/s2; None without."""
+        words = next((v for k, v in self.scene["pairs"] if k == "gravity"), "").split()[:3] if self.scene else []
+        return np.array(words, dtype=float) if len(words) == 3 and all(re.fullmatch(r"[-+.\deE]+", w) for w in words) else None
+
     # ---- time -------------------------------------------------------------------------------------------------------------
 
     @functools.cached_property

@@ -18,6 +18,14 @@ def count(n):
     return f"{n:,.0f}".replace(",", "\u202f")
 
 
+def tilted(run):
+    """A warning above pictures that take z as up where gravity points elsewhere."""
+    g = run.gravity()
+    if g is None or -g[2] >= 0.999 * np.linalg.norm(g):
+        return ""
+    return f'<p class="warning">Here z is taken as up, but gravity is {" ".join(f"{v:g}" for v in g)} m/s2: what is called height, vertical, up and down is along z, not along gravity.</p>'
+
+
 def head(run):
     status = run.status
     state = status.get("state") or ("finished" if os.path.exists(run.path("finished")) else "state not known: no status.json")
@@ -70,7 +78,7 @@ def film(run):
         stops = ", ".join("rgb(%d %d %d)" % tuple(int(255 * c) for c in cm.get_cmap(scale.colours)(t)[:3]) for t in np.linspace(0, 1, 9))
         ends = "".join(f"<b>{escape(e)}</b>" for e in scale.ends())
         bars_of_colour += f'<div class="scale">{escape(scale.what)}<i style="background:linear-gradient(to right, {stops})"></i><span>{ends}</span></div>'
-    return image(data, "webp", "grains and fluid in motion", size[0] / 2, size[1] / 2, caption) + bars_of_colour
+    return tilted(run) + image(data, "webp", "grains and fluid in motion", size[0] / 2, size[1] / 2, caption) + bars_of_colour
 
 
 def setup(run):
@@ -147,7 +155,7 @@ def fields(run):
     top = figures.bed_top(run.output)
     if top is not None:
         span += f" 95 % of the solids lie below z = {1e3 * top:.1f} mm."
-    return f"<p>{escape(span)}</p>" + pictures(drawing(figures.void_fractions(run.output), "mean void fraction", "Mean void fraction on both grids."),
+    return tilted(run) + f"<p>{escape(span)}</p>" + pictures(drawing(figures.void_fractions(run.output), "mean void fraction", "Mean void fraction on both grids."),
                                               drawing(figures.velocities(run.output), "mean velocities", f"{figures.fluid(run.output).capitalize()}: interstitial velocity" + ("; solids: volume flux" if top is not None else "") + ". Red is up, blue is down."),
                                               drawing(figures.pressure_map(run.output), "mean pressure", "Dynamic pressure and how it fluctuates."))
 
@@ -158,7 +166,7 @@ def profiles(run):
     if "average" not in run.output or "batch" not in run.output.get("average/particle_grid", ()):
         return missing(NO_MEANS)
     drawn, weight, n = figures.profiles(run.output)
-    return (f"<p>At a fourth, a half and three fourths of the bed's height; means over {weight:.3g} s. Bands: two standard errors, from the scatter of {n} batches"
+    return tilted(run) + (f"<p>At a fourth, a half and three fourths of the bed's height; means over {weight:.3g} s. Bands: two standard errors, from the scatter of {n} batches"
             f"{'' if n > 3 else ': too few to be trusted'}.</p>" + pictures(*(drawing(f, label, label.split(" / ")[0]) for label, f in drawn)))
 
 

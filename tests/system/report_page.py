@@ -186,11 +186,12 @@ def rows_of_means(c, run, scratch):
 
 
 def two_runs(c, run, scratch):
-    """A run with a log of another name, whose path has blanks, beside what a failed one has left; an output file older than the log; one whose log is gone."""
+    """A run with gravity along y and a log of another name, whose path has blanks, beside what a failed one has left; an output file older than the log; one whose log is gone."""
     folder = os.path.join(scratch, "two")
     shutil.copytree(run, folder)
     at = lambda name: os.path.join(folder, name)
-    os.rename(at("log.liggghts"), at("log.of mine"))
+    with open(at("log.of mine"), "w") as f:
+        f.write(log_of(folder).replace("0 0 -9.81 m/s2", "0 -9.81 0 m/s2"))
     os.rename(at("status.json"), at("of mine.status.json"))
     with open(at("of mine.status.json")) as f:
         status = json.load(f)
@@ -200,8 +201,9 @@ def two_runs(c, run, scratch):
         json.dump(dict(status, state="error", error="another run", started="2100-01-01T00:00:00Z", date="2100-01-01T00:00:01Z"), f)
     with h5py.File(at("first_bed.h5"), "r+") as f:
         f["record"].attrs["command_line"] = "twogrid -in /own cases/in.Bett größe -log log.of mine -var out . "
-    page, failed = page_of(folder, "head", "scene", "cost")
+    page, failed = page_of(folder, "head", "fields", "scene", "cost")
     c.true(f"a log of another name {failed}", "finished" in page.sections["head"] and "another run" not in page.sections["head"] and "Ergun" in page.sections["scene"] and "DEM" in page.sections["cost"])
+    c.true("gravity along y: that z is taken as up", "gravity is 0 -9.81 0 m/s2" in page.sections["fields"])
     c.true("the title is the script's name, with its blank", "<h1>in.Bett größe</h1>" in page.raw)
     os.remove(at("log.of mine"))
     page, _ = page_of(folder, "head")
