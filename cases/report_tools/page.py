@@ -77,6 +77,7 @@ def drawing(figure, alt, caption="", legend=()):
     from matplotlib import pyplot
     from PIL import Image
     raw, out = io.BytesIO(), io.BytesIO()
+    figure.draw_without_rendering()  # the layout knows the ticks' widths only then, else it cuts labels
     figure.savefig(raw, dpi=200, format="png")
     pyplot.close(figure)
     picture = Image.open(raw).convert("RGB")
