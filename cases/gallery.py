@@ -52,7 +52,7 @@ def card(case, base):
     shown = []
     if run.frames:
         data, size, n, legends, where, _, beside = movie.animate(run.output, run.frames, 20)
-        shown.append(page.image(data, "webp", f"{title}: grains and gas", size[0] / 2, size[1] / 2, "Grains, red: up, blue: down; gas, yellow: fast" + (f", up to {legends[-1][3]:.3g} m/s" if len(legends) > 1 else "") + f"; {where}."))
+        shown.append(page.image(data, "webp", f"{title}: grains and fluid", size[0] / 2, size[1] / 2, f"{movie.in_words(*legends)}; {where}."))
     shown += [sections.curve(c) for c in run.compared] or sections.own_pictures(run)
     text += page.pictures(*shown)
     if os.path.exists(run.path("report.html")):
