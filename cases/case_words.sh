@@ -12,7 +12,7 @@
 #   prepare       writes what in.NAME reads into the folder $out, which the run has as its own
 #   finish        compares and draws; $out, and $compare_short after a short run
 name=${case##*/}
-title=$name what= against= time_short= time_run= time_long= memory= most=8 first=px second= short= long= compare_short= show='^twogrid: |^WARNING: (fix|Less insertions)|^ERROR'
+title=$name what= against= time_short= time_run= time_long= memory= most=8 first=px second= short= long= compare_short= show='^twogrid: |^WARNING: (fix|Particle insertion)|^ERROR'
 prepare() { :; }
 finish() { "$case"/compare.py "$out" "$@"; }
 . "$case"/case.sh

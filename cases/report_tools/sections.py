@@ -257,7 +257,7 @@ def not_modelled(run):
     if not run.scene:
         return missing("No scene report in the log of this run.")
     rows = [[k, v] for k, v in run.scene["pairs"] if k in ("modelled", "not modelled", "not computed")]
-    warnings = run.scene["warnings"] + list(dict.fromkeys(re.findall(r"^WARNING: (fix .+)$", run.log, re.M)))
+    warnings = run.scene["warnings"] + list(dict.fromkeys(re.findall(r"^WARNING: ((?:fix|Particle insertion:) .+)$", run.log, re.M)))
     return table([], rows) + "".join(f'<p class="warning">{escape(w)}</p>' for w in warnings) + ("" if warnings else "<p>No warnings.</p>")
 
 
