@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,12 +35,21 @@ struct InletProfile {
   std::vector<std::array<double, 2>> table;         ///< coordinate (m), factor on the velocity
 };
 
+/// What has been found of a region on its side (boundary/region_outline.h).
+struct RegionOutline {
+  bool found = false;              ///< a point of it
+  std::array<double, 4> extent{};  ///< lo hi lo hi in the side's two directions (m)
+  double area = 0;                 ///< m2
+};
+
 /// Where on a side a condition holds. Coordinates are those of the simulation box, in the side's two tangential
 /// directions in ascending order (x y on z sides, x z on y sides, y z on x sides).
 struct PatchShape {
   enum class Kind { kWhole, kRectangle, kCircle, kRegion } kind = Kind::kWhole;
-  std::array<double, 4> value{0, 0, 0, 0};  ///< rectangle: lo, hi, lo, hi; circle: centre, centre, radius
-  std::function<bool(const Vec3&)> inside;  ///< region: tells whether a face centre belongs
+  std::array<double, 4> value{0, 0, 0, 0};   ///< rectangle: lo, hi, lo, hi; circle: centre, centre, radius
+  std::function<bool(const Vec3&)> inside;   ///< region: tells whether a face centre belongs
+  std::vector<std::array<double, 6>> boxes;  ///< region: it lies within these (m); none: anywhere
+  std::optional<RegionOutline> outline;      ///< region: once it has been measured
 };
 
 struct BoundaryCondition {

@@ -18,6 +18,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "cfd/boundary/region_outline.h"
 #include "cfd/parallel/rank_0.h"
 #include "liggghts_fixes/contacts/pair_switch.h"
 #include "liggghts_fixes/liggghts/box.h"
@@ -190,6 +191,7 @@ void FixTwogrid::build() {
   watch_.say(memory());
   complete(script_, box_facts(*lmp));
   names_.resolve();
+  measure_regions(s.fluid, s.domain);
   const FineGrid grid = fine_grid(s, periodic_directions(s.fluid));
   s.fluid.check_flow(grid);
   bodies_.resolve(s.fluid, grid);

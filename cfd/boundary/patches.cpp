@@ -36,7 +36,7 @@ double drawn_area(const PatchShape& shape, const Axis& e, const Axis& f) {
     case PatchShape::Kind::kCircle:
       return kPi * v[2] * v[2];
     case PatchShape::Kind::kRegion:
-      return -1;
+      return shape.outline && shape.outline->found ? shape.outline->area : -1;
   }
   return -1;
 }

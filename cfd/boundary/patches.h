@@ -10,7 +10,7 @@ namespace twogrid {
 bool covers(const PatchShape& shape, int side, const Vec3& centre);
 
 struct PatchSize {
-  double drawn = -1;  ///< area of the shape (m2); negative: not known (regions)
+  double drawn = -1;  ///< area of the shape (m2); negative: not known (a region that is not measured)
   double faces = 0;   ///< area of the fine faces that the shape covers (m2)
   double open = 0;    ///< of these, those that no later patch lies on (m2)
 };

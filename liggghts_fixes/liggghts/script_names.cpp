@@ -12,6 +12,7 @@
 #include <cmath>
 #include <set>
 
+#include "liggghts_fixes/liggghts/region_boxes.h"
 #include "liggghts_fixes/private_member.h"
 #include "liggghts_fixes/script/words.h"
 
@@ -164,6 +165,7 @@ void ScriptNames::resolve() {
                names.region + ", and no region of that id", "the id of a region");
       Region* shape = lammps_.domain->regions[r];
       condition.shape.inside = [shape](const Vec3& x) { return shape->match(x[0], x[1], x[2]) != 0; };
+      condition.shape.boxes = region_boxes(lammps_, *shape);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cfd/boundary/patches.h"
+#include "cfd/boundary/region_outline.h"
 #include "liggghts_fixes/report/bed_end.h"
 #include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/words.h"
@@ -12,44 +13,28 @@ namespace twogrid {
 
 namespace {
 
-constexpr int kSomeCells = 64, kLooks = 400;
+constexpr int kSomeCells = 64;
 
-/// lo hi lo hi of a region on its side: by lines across it, whose ends are then found by halving. Nothing of what lies
-/// between two lines.
-bool extent_of_region(const PatchShape& shape, int side, const std::array<double, 6>& domain,
-                      std::array<double, 4>& extent) {
-  const int n = direction(side), ef[2] = {n == 0 ? 1 : 0, n == 2 ? 1 : 2};
-  bool found = false;
-  for (int q = 0; q < 2; ++q) {
-    const int e = ef[q], f = ef[1 - q];
-    const double lo = domain[2 * e], length = domain[2 * e + 1] - lo, step = length / kLooks;
-    double &first = extent[2 * q], &last = extent[2 * q + 1];
-    first = 1e300, last = -1e300;
-    Vec3 x;
-    x[n] = domain[side];
-    const auto inside = [&](double at) {
-      x[e] = at;
-      return shape.inside(x);
-    };
-    const auto edge = [&](double in, double out) {
-      for (int i = 0; i < 40; ++i) {
-        const double middle = 0.5 * (in + out);
-        (inside(middle) ? in : out) = middle;
-      }
-      return in;
-    };
-    for (int j = 0; j < kLooks; ++j) {
-      x[f] = domain[2 * f] + (j + 0.5) / kLooks * (domain[2 * f + 1] - domain[2 * f]);
-      for (int i = 0; i < kLooks; ++i) {
-        const double at = lo + (i + 0.5) * step;
-        if (!inside(at)) continue;
-        found = true;
-        if (at < first) first = i == 0 ? lo : edge(at, at - step);
-        if (at > last) last = i == kLooks - 1 ? lo + length : edge(at, at + step);
-      }
-    }
-  }
-  return found;
+constexpr double kAlike = 1e-3;
+
+/// A region: what has been found of it; as a rectangle where it is one.
+void outline_of_region(const BoundaryCondition& c, int side, const std::array<double, 6>& domain, Opening& o) {
+  const RegionOutline outline = c.shape.outline ? *c.shape.outline : measure_region(c.shape, side, domain);
+  const int n = direction(side), e = n == 0 ? 1 : 0, f = n == 2 ? 1 : 2;
+  if (!outline.found)
+    refuse("boundary " + std::string(kSideNames[side]) + " patch " + c.name + " region",
+           "with fine or ratio auto, a region of which no point was found on that side, at " +
+               std::string(1, "xyz"[n]) + " = " + text(domain[side]),
+           "a region that reaches through the side there, or 'rect' or 'circle', or numbers for fine and ratio");
+  o.extent = outline.extent, o.area = outline.area;
+  const double framed = (o.extent[1] - o.extent[0]) * (o.extent[3] - o.extent[2]);
+  if (std::abs(outline.area - framed) < kAlike * framed) o.kind = PatchShape::Kind::kRectangle;
+  Vec3 x;
+  x[n] = domain[side];
+  o.inside = [inside = c.shape.inside, x, e, f](double a, double b) mutable {
+    x[e] = a, x[f] = b;
+    return inside(x);
+  };
 }
 
 /// Sums over particles differ in their last digits from one number of ranks to another; grids must not.
@@ -125,9 +110,7 @@ GridScene grid_scene(const Settings& s, const SceneFacts& facts, const std::vect
       if (o.kind == PatchShape::Kind::kRectangle)
         for (int q = 0; q < 4; ++q) o.extent[q] = q % 2 ? std::min(v[q], whole[q]) : std::max(v[q], whole[q]);
       if (o.kind == PatchShape::Kind::kCircle) o.extent = {v[0] - v[2], v[0] + v[2], v[1] - v[2], v[1] + v[2]};
-      if (o.kind == PatchShape::Kind::kRegion &&
-          (!c.shape.inside || !extent_of_region(c.shape, side, s.domain, o.extent)))
-        continue;
+      if (o.kind == PatchShape::Kind::kRegion) outline_of_region(c, side, s.domain, o);
       if (o.extent[0] < o.extent[1] && o.extent[2] < o.extent[3]) g.openings.push_back(o);
     }
   }

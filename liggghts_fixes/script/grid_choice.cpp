@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <map>
 
 #include "cfd/grid/grid.h"
 #include "cfd/grid/pi.h"
@@ -78,25 +80,27 @@ void for_each_opening(const GridScene& s, int d, F&& f) {
   }
 }
 
-/// The share of a circle's area that its faces are more or less than drawn.
-double circle_error(const GridScene& s, const Opening& o, const Int3& fine) {
+/// The share of its area that the faces of a circle or region are more or less than drawn.
+double area_error(const GridScene& s, const Opening& o, const Int3& fine) {
   const int n = direction(o.side), e = n == 0 ? 1 : 0, f = n == 2 ? 1 : 2;
   const double x = 0.5 * (o.extent[0] + o.extent[1]), y = 0.5 * (o.extent[2] + o.extent[3]);
-  const double r = 0.5 * (o.extent[1] - o.extent[0]);
+  const double r = 0.5 * (o.extent[1] - o.extent[0]), r_y = 0.5 * (o.extent[3] - o.extent[2]);
+  const bool circle = o.kind == PatchShape::Kind::kCircle;
   const double he = (s.domain[2 * e + 1] - s.domain[2 * e]) / fine[e];
   const double hf = (s.domain[2 * f + 1] - s.domain[2 * f]) / fine[f];
   const auto range = [](double a, double lo, double h, int cells) {
     return int(std::clamp(std::floor((a - lo) / h), 0.0, double(cells)));
   };
   long long faces = 0;
-  for (int j = range(y - r, s.domain[2 * f], hf, fine[f]);
-       j < std::min(fine[f], range(y + r, s.domain[2 * f], hf, fine[f]) + 1); ++j)
+  for (int j = range(y - r_y, s.domain[2 * f], hf, fine[f]);
+       j < std::min(fine[f], range(y + r_y, s.domain[2 * f], hf, fine[f]) + 1); ++j)
     for (int i = range(x - r, s.domain[2 * e], he, fine[e]);
          i < std::min(fine[e], range(x + r, s.domain[2 * e], he, fine[e]) + 1); ++i) {
-      const double a = s.domain[2 * e] + (i + 0.5) * he - x, b = s.domain[2 * f] + (j + 0.5) * hf - y;
-      faces += a * a + b * b < r * r;
+      const double at_x = s.domain[2 * e] + (i + 0.5) * he, at_y = s.domain[2 * f] + (j + 0.5) * hf;
+      const double a = at_x - x, b = at_y - y;
+      faces += circle ? a * a + b * b < r * r : o.inside(at_x, at_y);
     }
-  return std::abs(double(faces) * he * hf / (kPi * r * r) - 1);
+  return std::abs(double(faces) * he * hf / (circle ? kPi * r * r : o.area) - 1);
 }
 
 std::array<Demand, 3> demands(const GridScene& s, const GivenGrids& given) {
@@ -310,6 +314,14 @@ GridChoice choose_grids(const GridScene& s, const GivenGrids& given) {
                      [](const Candidate& a, const Candidate& b) { return a.penalty < b.penalty - 1e-12; });
     all[d].resize(std::min(all[d].size(), std::size_t(kKept)));
   }
+  std::map<std::array<std::ptrdiff_t, 3>, double> errors;  // by the opening's number, and the fine cells along its side
+  const auto known_error = [&](const Opening& o, const Int3& fine) {
+    const int n = direction(o.side);
+    const auto [at, fresh] =
+        errors.try_emplace({&o - s.openings.data(), fine[n == 0 ? 1 : 0], fine[n == 2 ? 1 : 2]}, 0.0);
+    if (fresh) at->second = area_error(s, o, fine);
+    return at->second;
+  };
   std::array<Candidate, 3> best;
   double least = kAnyWidth;
   for (const Candidate& x : all[0])
@@ -318,7 +330,8 @@ GridChoice choose_grids(const GridScene& s, const GivenGrids& given) {
         const Int3 fine{x.fine(), y.fine(), z.fine()};
         double p = x.penalty + y.penalty + z.penalty, wide = 0, narrow = kAnyWidth;
         for (const Opening& o : s.openings)
-          if (o.kind == PatchShape::Kind::kCircle) p += error_penalty(circle_error(s, o, fine));
+          if (o.kind == PatchShape::Kind::kCircle || (o.kind == PatchShape::Kind::kRegion && o.inside))
+            p += error_penalty(known_error(o, fine));
         for (int d = 0; d < 3; ++d)
           if (fine[d] > 1)
             wide = std::max(wide, w[d].length / fine[d]), narrow = std::min(narrow, w[d].length / fine[d]);

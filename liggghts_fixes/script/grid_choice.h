@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,10 @@ struct Opening {
   std::string name;  ///< for sentences: "patch jet of zlo"
   int side = kZlo;   ///< of the domain
   PatchShape::Kind kind = PatchShape::Kind::kRectangle;
-  std::array<double, 4> extent{};  ///< lo hi lo hi in the side's two directions (m)
-  bool asks = true;                ///< for cells across it; else its edges only are looked at
+  std::array<double, 4> extent{};              ///< lo hi lo hi in the side's two directions (m)
+  bool asks = true;                            ///< for cells across it; else its edges only are looked at
+  double area = 0;                             ///< of a region (m2)
+  std::function<bool(double, double)> inside;  ///< of a region, of the two coordinates (m)
 };
 
 /// A length of a body, or between bodies, that wants cells across it.

@@ -3,7 +3,7 @@
 them; the same on any number of ranks; kept where a run goes on from a checkpoint, whatever the particles are by then; a run with the same numbers
 given has the same bits; what can't be chosen ends in a sentence.
 
-Without this test a jet could have three cells, grains of 4 mm cells of 5, a run that goes on begin on other grids than it ended on, and a jet of
+Without this test a jet could have three cells or, drawn by a region between two lines that are looked at, one of twice its area, grains of 4 mm cells of 5, a run that goes on begin on other grids than it ended on, and a jet of
 0.1 mm in a box of a metre take all of a machine's memory.
 Usage: auto_grids.py EXECUTABLE RANKS...
 """
@@ -84,6 +84,26 @@ def kinds(c, executable):
         c.true(f"{name}: {' x '.join(map(str, fine))}, ratio {' x '.join(map(str, ratio))}, every {every}; particle cells of {min(cells) / max(sizes):.2f} of the largest; "
                f"{', '.join(f'{a:.1f}' for a in across) or 'no'} across jets; told: {told or 'nothing'}",
                enough and min(cells) > 2 * max(sizes) * (1 - 1e-9) and not told and "grids                 chosen (auto)" in r.output)
+
+
+def regions(c, executable):
+    """Patches by region: small ones wherever they lie, of the area drawn; what differs from it is warned of, also with given cells."""
+    box, low = "0 0.6 0 0.004 0 0.4", "fix_modify gas boundary zlo inlet 0 0 0 boundary zhi pressure 0\n"
+    fill = "0.2 0.22 0 0.004 0 0.02"
+    for x in (0.3010, 0.3001):
+        jet = f"region j block {x!r} {x + 0.0012!r} INF INF INF INF units box\n"
+        r = Run(executable, scene(box, "f f f", [1e-3], low + "fix_modify gas boundary zlo patch j region j inlet 0 0 10\n", before=jet, fill=fill), launcher=None)
+        fine = grids(r)[0]
+        area = re.search(r"patch j .* ([\d.e-]+) m2 of fine faces \(drawn: ([\d.e-]+) m2\)", r.output)
+        taken, drawn = map(float, area.groups()) if area else (0, 0)
+        c.true(f"a slit of 1.2 mm at {x} of 0.6 m: {fine[0]} cells, {taken:g} m2 of {drawn:g}", 0.0012 * fine[0] / 0.6 > 4 - 1e-9 and abs(drawn / 4.8e-6 - 1) < 0.01 and abs(taken / 4.8e-6 - 1) < 0.02)
+    r = Run(executable, scene("0 0.02 0 0.004 0 0.04", "f f f", [1e-3], low + "fix_modify gas boundary zlo patch j region j inlet 0 0 10\n", "fine 7 1 20 every 10",
+                              before="region j block 0.009 0.0102 INF INF INF INF units box\n"), launcher=None)
+    c.true("given cells: +138 % of a region's area is warned of", "WARNING: patch j of zlo takes whole fine faces" in r.output and "+138.1 %" in r.output)
+    r = Run(executable, scene("0 0.02 0 0.004 0 0.04", "f f f", [1e-3], low + "fix_modify gas boundary zlo patch j region j inlet 0 0 10\n",
+                              before="region j block 0.009 0.0102 INF INF 0.001 0.002 units box\n"), expect_success=False, launcher=None)
+    line = next((x for x in r.output.splitlines() if "fix gas twogrid" in x), "no sentence")
+    c.true(f"a region that isn't on the side: {line}", r.code != 0 and "patch j region" in line and "no point was found" in line)
 
 
 BED = head(SLOT, 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=2e-3, gammat=1e-3) + SLOT_WALLS + poured(450) + "run 2000\nreset_timestep 0\n"
@@ -176,6 +196,7 @@ def main():
     executable, ranks = arguments()
     c = Checks("grids from the scene")
     kinds(c, executable)
+    regions(c, executable)
     same(c, executable, ranks)
     interval(c, executable)
     goes_on(c, executable)

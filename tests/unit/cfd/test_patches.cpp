@@ -1,6 +1,6 @@
 // Faces and areas of patches.
 // What would pass falsely without it: a report, a balance of inlets, or a check that counts other faces than the solver
-// blows through; a patch snapped to twice its area without a word; a parabolic inlet on few cells whose mean velocity is
+// blows through; a patch snapped to twice its area without a word, a region that lies between the points that are looked at; a parabolic inlet on few cells whose mean velocity is
 // not the one that the script gives.
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 
 #include "cfd/boundary/boundaries.h"
 #include "cfd/boundary/patches.h"
+#include "cfd/boundary/region_outline.h"
 #include "cfd/parallel/ranks.h"
 #include "liggghts_fixes/report/scene_report.h"
 #include "liggghts_fixes/script/consistency.h"
@@ -89,7 +90,7 @@ TEST(Patches, DrawnTakenAndOpenAreas) {
   size = patch_sizes(f, kZlo, g)[1];
   EXPECT_NEAR(size.faces, 4e-5, 1e-18);
   EXPECT_NEAR(size.open, 3e-5, 1e-18);
-  // A circle's drawn area; a region's nobody knows.
+  // A circle's drawn area; a region's nobody knows before it has been measured.
   PatchShape circle;
   circle.kind = PatchShape::Kind::kCircle;
   circle.value = {0.005, 0.005, 0.002, 0};
@@ -99,6 +100,54 @@ TEST(Patches, DrawnTakenAndOpenAreas) {
   region.inside = [](const Vec3& x) { return x[0] < 0.003; };
   EXPECT_LT(patch_sizes(fluid_with(region), kZlo, g)[1].drawn, 0);
   EXPECT_NEAR(patch_sizes(fluid_with(region), kZlo, g)[1].faces, 3e-5, 1e-18);
+  f = fluid_with(region);
+  measure_regions(f, {0, 0.01, 0, 0.01, 0, 0.01});
+  EXPECT_NEAR(patch_sizes(f, kZlo, g)[1].drawn, 3e-5, 1e-13);
+}
+
+TEST(Patches, RegionsHaveTheirExtentAndArea) {
+  const std::array<double, 6> domain{0, 0.6, 0, 0.004, 0, 0.4};
+  const auto ball = [](double x, double y, double r) {
+    return [=](const Vec3& p) { return std::hypot(p[0] - x, p[1] - y, p[2]) < r; };
+  };
+  const auto measured = [&](const std::function<bool(const Vec3&)>& inside, std::vector<std::array<double, 6>> boxes) {
+    PatchShape shape;
+    shape.kind = PatchShape::Kind::kRegion;
+    shape.inside = inside, shape.boxes = std::move(boxes);
+    return measure_region(shape, kZlo, domain);
+  };
+  // A slit of 1.2 mm in 0.6 m with a box, and without one: less than one of 400 lines across.
+  const auto slit = [](const Vec3& p) { return p[0] >= 0.3010 && p[0] <= 0.3022; };
+  for (const auto& boxes : {std::vector<std::array<double, 6>>{{0.3010, 0.3022, -1e20, 1e20, -1e20, 1e20}}, {}}) {
+    const RegionOutline o = measured(slit, boxes);
+    ASSERT_TRUE(o.found);
+    EXPECT_NEAR(o.extent[0], 0.3010, 1e-9);
+    EXPECT_NEAR(o.extent[1], 0.3022, 1e-9);
+    EXPECT_NEAR(o.extent[2], 0, 1e-12);
+    EXPECT_NEAR(o.extent[3], 0.004, 1e-12);
+    EXPECT_NEAR(o.area, 4.8e-6, 0.01 * 4.8e-6);
+  }
+  // A circle of 0.42 mm, and two of them far from each other.
+  const double r = 0.21e-3, one = M_PI * r * r;
+  const auto a = ball(0.0101, 0.0017, r), b = ball(0.5, 0.002, r);
+  const std::array<double, 6> box_a{0.0101 - r, 0.0101 + r, 0.0017 - r, 0.0017 + r, -r, r};
+  const std::array<double, 6> box_b{0.5 - r, 0.5 + r, 0.002 - r, 0.002 + r, -r, r};
+  RegionOutline o = measured(a, {box_a});
+  EXPECT_NEAR(o.area, one, 0.003 * one);
+  EXPECT_NEAR(o.extent[1] - o.extent[0], 2 * r, 1e-3 * r);
+  EXPECT_NEAR(o.extent[3] - o.extent[2], 2 * r, 1e-3 * r);
+  o = measured([&](const Vec3& p) { return a(p) || b(p); }, {box_a, box_b});
+  EXPECT_NEAR(o.area, 2 * one, 0.01 * 2 * one);
+  EXPECT_NEAR(o.extent[0], 0.0101 - r, 1e-3 * r);
+  EXPECT_NEAR(o.extent[1], 0.5 + r, 1e-3 * r);
+  // The tip of a large ball: its box is the whole side.
+  const auto tip = [](const Vec3& p) { return std::hypot(p[0] - 0.3, p[1] - 0.002, p[2] + 0.1) < 0.100005; };
+  const double tip_r = std::sqrt(0.100005 * 0.100005 - 0.01);
+  o = measured(tip, {{0.2, 0.4, -0.1, 0.1, -0.2, 5e-6}});
+  EXPECT_NEAR(o.area, M_PI * tip_r * tip_r, 0.01 * M_PI * tip_r * tip_r);
+  // None: beside the side, and nothing within the box.
+  EXPECT_FALSE(measured(a, {{0, 1, 0, 1, 0.1, 0.2}}).found);
+  EXPECT_FALSE(measured([](const Vec3&) { return false; }, {}).found);
 }
 
 TEST(Patches, ParabolicInletHasTheMeanVelocityGiven) {
