@@ -176,9 +176,10 @@ double smallest_block(const Demand& w, const GivenGrids& given, int d, int fine,
   return least;
 }
 
-double penalty(const GridScene& s, const Demand& w, int d, int blocks, int ratio, bool stretched) {
+double penalty(const GridScene& s, const GivenGrids& given, const Demand& w, int d, int blocks, int ratio) {
   const int fine = blocks * ratio;
-  const double D = w.length / blocks, need = std::min(w.width, D);
+  const bool stretched = given.stretch[d] != 1;
+  const double D = smallest_block(w, given, d, fine, ratio), need = std::min(w.width, D);
   double p = (w.thin ? 0 : std::abs(std::log(D / w.target))) + 0.5 * std::max(0.0, std::log(need * fine / w.length));
   double off = 0;
   int openings = 0;
@@ -195,19 +196,43 @@ double penalty(const GridScene& s, const Demand& w, int d, int blocks, int ratio
   return p + (openings ? 0.4 * off / openings : 0);
 }
 
-/// A number near n that has a divisor which makes particle cells as wanted; 0: none.
-int near_number(const Demand& w, int n) {
-  for (int away = 1; away <= std::max(10, n / 4); ++away)
-    for (int m : {n + away, n - away})
-      for (int r = 1; m > 0 && r <= m; ++r)
-        if (m % r == 0 && w.length / m * r >= w.common && w.length / m * r <= w.most) return m;
+/// Whether particle cells of r fine ones, of n, are as ratio auto takes them. Of cells that grow the smallest one counts.
+bool suits(const GridScene& s, const GivenGrids& given, const Demand& w, int d, int n, int r) {
+  if (r == n) return w.length < 3 * w.target;
+  const double D = smallest_block(w, given, d, n, r);
+  return D >= std::max(w.least, s.d_max) * (1 - kRound) && D <= 2 * w.target * (1 + kRound);
+}
+
+/// The number nearest to n that has a divisor which suits, if there is one with particle cells as they are wanted; 0: none.
+int near_number(const GridScene& s, const GivenGrids& given, const Demand& w, int d, int n) {
+  for (const bool wanted : {true, false})
+    for (int away = 1; away <= std::max(10, n / 2); ++away)
+      for (int m : {n + away, n - away})
+        for (int r = 1; m > 0 && r <= m; ++r) {
+          if (m % r != 0 || !suits(s, given, w, d, m, r)) continue;
+          const double D = smallest_block(w, given, d, m, r);
+          if (!wanted || (D >= w.common * (1 - kRound) && D <= w.most * (1 + kRound))) return m;
+        }
   return 0;
+}
+
+[[noreturn]] void refuse_ratio(const GridScene& s, const GivenGrids& given, const Demand& w, int d) {
+  const int n = given.fine[d], near = near_number(s, given, w, d, n);
+  const std::string in = std::string(" in ") + kAxis[d];
+  const bool stretched = given.stretch[d] != 1;
+  refuse("ratio",
+         "auto for fine " + text(n) + in + ", which no number divides into particle cells of " +
+             of_d(s, std::max(w.least, s.d_max)) + " to " + of_d(s, 2 * w.target) + " (" +
+             (stretched ? "the smallest cell has " : "cells of ") + of_d(s, smallest_block(w, given, d, n, 1)) + ")",
+         (near ? "fine " + text(near) + in + ", or another number that has a suitable divisor; or " : "") +
+             (stretched ? "a number for ratio" + in + ", or a smaller 'stretch'"
+                        : "auto for fine" + in + ", or a number for ratio there"));
 }
 
 std::vector<Candidate> candidates(const GridScene& s, const GivenGrids& given, const Demand& w, int d) {
   std::vector<Candidate> all;
   const auto add = [&](int blocks, int ratio) {
-    all.push_back({blocks, ratio, penalty(s, w, d, blocks, ratio, given.stretch[d] != 1)});
+    all.push_back({blocks, ratio, penalty(s, given, w, d, blocks, ratio)});
   };
   const std::string in = std::string(" in ") + kAxis[d];
   if (given.fine[d] > 0) {
@@ -216,21 +241,9 @@ std::vector<Candidate> candidates(const GridScene& s, const GivenGrids& given, c
       add(n / given.ratio[d], given.ratio[d]);
       return all;
     }
-    for (int r = 1; r <= n; ++r) {
-      if (n % r != 0) continue;
-      const double D = smallest_block(w, given, d, n, r);
-      if (r == n ? w.length < 3 * w.target
-                 : D >= w.least * (1 - kRound) && D >= s.d_max && w.length / n * r <= 2 * w.target)
-        add(n / r, r);
-    }
-    if (all.empty()) {
-      const int near = near_number(w, n);
-      refuse("ratio",
-             "auto for fine " + text(n) + in + ", which no number divides into particle cells of " +
-                 of_d(s, std::max(w.common, s.d_max)) + " to " + of_d(s, w.most) + " (cells of " +
-                 of_d(s, w.length / n) + ")",
-             near ? "a number that has a suitable divisor, such as " + text(near) + ", or auto" : "fine auto" + in);
-    }
+    for (int r = 1; r <= n; ++r)
+      if (n % r == 0 && suits(s, given, w, d, n, r)) add(n / r, r);
+    if (all.empty()) refuse_ratio(s, given, w, d);
     return all;
   }
   const double least = asked_cells(w);

@@ -180,6 +180,7 @@ def refused(c, executable):
             ("a jet of 0.1 mm in a box of 1 m", "0 1 0 1 0 1", [0.05], AUTO, "fix_modify gas boundary zlo patch j rect 0.5 0.5001 0.5 0.5001 inlet 0 0 5 boundary zhi pressure 0\n", ("patch j of zlo", "40000 in x", "give numbers")),
             ("stretch", "0 0.1 0 0.1 0 0.1", [0.005], AUTO + " stretch z 1.1", "", ("stretch", "in z")),
             ("a prime number of cells", "0 0.1 0 0.1 0 0.1", [0.005], "fine 20 20 61 ratio auto every auto", "", ("61", "ratio")),
+            ("a prime number of cells that grow", "0 0.1 0 0.1 0 0.1", [0.005], "fine 20 20 61 ratio auto every auto stretch z 1.05", "", ("61", "fine 60 in z", "a number for ratio in z", "a smaller 'stretch'")),
             ("a ratio that makes cells of a grain", "0 0.1 0 0.1 0 0.1", [0.005], "fine auto ratio 2 2 2 every auto", "fix_modify gas boundary zlo patch j rect 0.05 0.058 0 0.1 inlet 0 0 5 boundary zhi pressure 0\n", ("ratio", "patch j of zlo", "or auto")),
             ("one grid", "0 0.1 0 0.1 0 0.1", [0.005], AUTO, "fix_modify gas method single boundary zlo patch j rect 0.05 0.058 0 0.1 inlet 0 0 5 boundary zhi pressure 0\n", ("method single", "numbers")),
             ("no grains, no templates", "0 0.1 0 0.1 0 0.1", None, AUTO, "", ("no particles nor templates", "numbers of cells"))):

@@ -1,6 +1,6 @@
 // fine, ratio auto: numbers of cells against values worked out by hand, and what is asked for is there.
 // What would pass falsely without it: a jet on three cells, a tube on seven, particle cells smaller than a grain, a patch with a
-// wrong area where another number of cells had the right one: every run would go on, on a grid that isn't what was promised.
+// wrong area where another number of cells had the right one, a sentence whose advice ends in the next sentence: every run would go on, on a grid that isn't what was promised.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -177,6 +177,44 @@ TEST(GridChoiceOf, WhatIsGivenStays) {
   const GridChoice stretched = choose_grids(s, given);
   const std::vector<double> node = graded_nodes(0, 0.072, 60, 1.01);
   EXPECT_GE(node[stretched.ratio[2]], 2 * 1.2e-3 * (1 - 1e-9));
+}
+
+TEST(GridChoiceOf, WhatASentenceWantsIsTaken) {
+  // Stretched or not, thick or thin bed: each number of cells is taken, or another is named that is.
+  int taken = 0, named = 0, none = 0;
+  for (const double stretch : {1.0, 1.05, 0.97, 1.2})
+    for (const double bed : {0.0, 0.01})
+      for (int n = 1; n <= 90; ++n) {
+        GridScene s = slot(1e-3);
+        s.domain[5] = 0.08;
+        s.bed = bed;
+        GivenGrids given;
+        given.fine = {0, 0, n}, given.stretch = {1, 1, stretch};
+        const std::string said = sentence(s, given);
+        if (said == "no exception") {
+          ++taken;
+          continue;
+        }
+        EXPECT_FALSE(stretch != 1 && has(said, "auto for fine in z, or")) << said;  // that isn't allowed with it
+        EXPECT_TRUE(has(said, "a number for ratio")) << said;
+        const auto at = said.find("wanted fine ");
+        if (at == std::string::npos) {
+          ++none;
+          continue;
+        }
+        ++named;
+        given.fine[2] = std::stoi(said.substr(at + 12));
+        EXPECT_EQ(sentence(s, given), "no exception") << said;
+      }
+  EXPECT_GT(taken, 200);
+  EXPECT_GT(named, 50);
+  EXPECT_GT(none, 0);
+  // 80 mm in 24 cells that grow by 1.05: of 1.8 mm at first, two of them 3.7 d.
+  GridScene s = slot(1e-3);
+  s.domain[5] = 0.08;
+  GivenGrids given;
+  given.fine = {0, 0, 24}, given.stretch = {1, 1, 1.05};
+  EXPECT_EQ(choose_grids(s, given).ratio[2], 2);
 }
 
 TEST(GridChoiceOf, WhatCannotBeEndsInASentence) {
