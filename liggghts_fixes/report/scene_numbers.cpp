@@ -115,6 +115,7 @@ SettledBed settled_bed(const Settings& s, const FineGrid& grid, const SceneFacts
   bed.along = along;
   bed.section = (bulk - std::max(0.0, left)) / bed.height;
   bed.cells = bed.height / (axis.length() / s.fine[along] * s.ratio[along]);
+  bed.grains = bed.height / (facts.d_rough > 0 ? facts.d_rough : facts.d_mean);
   return bed;
 }
 

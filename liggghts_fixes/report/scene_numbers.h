@@ -95,6 +95,7 @@ struct SettledBed {
   double height = 0;   ///< m; what the vessel can hold at most
   double section = 0;  ///< mean over the height, what is open (m2)
   double cells = 0;    ///< particle cells in the height
+  double grains = 0;   ///< grains one upon the other in it, of the size that counts for the void fraction
 };
 SettledBed settled_bed(const Settings& settings, const FineGrid& grid, const SceneFacts& facts);
 

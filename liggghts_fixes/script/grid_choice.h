@@ -52,7 +52,7 @@ struct GridScene {
   std::string d_text;              ///< where the two come from, in words
   double least = 2;             ///< particle cells, in d_max: 2, 1, or 0 where the void fraction doesn't hang on them
   double least_common = 2.5;    ///< and in d, but along gravity in a thin bed
-  double bed = 0;               ///< height of the settled bed (m); 0: unknown
+  double bed = 0;               ///< height of the settled bed (m); 0: unknown, or none
   int along = -1;               ///< direction of gravity
   double bed_cells = 8;         ///< particle cells that this height wants
   std::array<bool, 3> flows{};  ///< a component of the velocity is needed: 2 fine cells at least

@@ -106,6 +106,15 @@ def regions(c, executable):
     c.true(f"a region that isn't on the side: {line}", r.code != 0 and "patch j region" in line and "no point was found" in line)
 
 
+def no_bed(c, executable):
+    """One grain in a vessel: it is no bed."""
+    text = head("0 0.02 0 0.02 0 0.08", 1e-5, boundary="f f f", skin=3e-4) + "create_atoms 1 single 0.01 0.01 0.04\nset group all diameter 0.001 density 2500\n" \
+        "fix motion all nve/sphere\nfix weight all gravity 9.81 vector 0 0 -1\n" + gas() + "fix_modify gas boundary zlo inlet 0 0 0.5 boundary zhi pressure 0\nrun 0\n"
+    r = Run(executable, text, launcher=None)
+    fine = grids(r)[0]
+    c.true(f"one grain: {fine}, no word of a bed", fine[2] <= 0.08 / 0.0025 + 1e-9 and "bed of" not in r.output and "bed's end" not in r.output)
+
+
 BED = head(SLOT, 1.5e-5, boundary="f f f", skin=0.4e-3, gamman=2e-3, gammat=1e-3) + SLOT_WALLS + poured(450) + "run 2000\nreset_timestep 0\n"
 GOES = "fix_modify gas output every 300 file bed.h5 fields u p eps\nthermo_style custom step ke f_gas[1] f_gas[4]\nthermo_modify format float %.17g norm no\nthermo 100\n"
 
@@ -198,6 +207,7 @@ def main():
     c = Checks("grids from the scene")
     kinds(c, executable)
     regions(c, executable)
+    no_bed(c, executable)
     same(c, executable, ranks)
     interval(c, executable)
     goes_on(c, executable)

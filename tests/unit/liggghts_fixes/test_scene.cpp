@@ -213,6 +213,12 @@ TEST(SceneReportText, ABedThatHoldsFewParticleCells) {
   f.particles = 4620;
   EXPECT_NE(report().find("short by about 9.186 %"), std::string::npos) << report();
   EXPECT_NE(report().find("'method sharp'"), std::string::npos);
+  f.particles = 1593;  // 6.005 mm, five grains
+  EXPECT_NE(report().find("bed's end"), std::string::npos) << report();
+  f.particles = 1591;  // 5.998 mm
+  EXPECT_EQ(report().find("bed's end"), std::string::npos);
+  EXPECT_EQ(report().find("holds few particle cells"), std::string::npos);
+  f.particles = 4620;
   f.gravity = {0, 0, 0};
   EXPECT_EQ(report().find("bed's end"), std::string::npos);
 }
