@@ -87,7 +87,7 @@ GridScene grid_scene(const Settings& s, const SceneFacts& facts, const std::vect
     SettledBed of_one = bed;
     of_one.cells = 1;
     if (const double missing = short_at_end(of_one, s.deposit); missing > 0)
-      g.bed = seven_digits(bed.height), g.bed_cells = missing / kMostMissing;
+      g.bed = seven_digits(bed.height), g.bed_cells = missing / kMostMissing, g.bed_missing = kMostMissing;
   }
   for (int d = 0; d < 3; ++d)
     if (facts.gravity[d] != 0 && (g.along < 0 || std::abs(facts.gravity[d]) > std::abs(facts.gravity[g.along])))

@@ -52,6 +52,16 @@ std::string blown_through(const WallFacts& wall, const Settings& s, double h) {
          " before the first run, and it is solid for the fluid as well";
 }
 
+/// What to do about it.
+std::string shorter_end(const Settings& s, const SettledBed& bed, double d) {
+  const bool trilinear = s.deposit == Deposit::kTrilinear;
+  if (bed.height / bed.cells <= 2 * d * (1 + 1e-9))  // cells are as small as they may be
+    return trilinear ? "; 'method sharp' lacks less" : "";
+  return std::string("; ") +
+         (s.ratio[bed.along] > 1 ? "lower ratio along gravity" : "take more fine cells along gravity, by 'fine'") +
+         (trilinear ? ", or 'method sharp'" : "");
+}
+
 }  // namespace
 
 std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid, const SceneFacts& facts,
@@ -65,10 +75,9 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
                 " knows one size: it takes each particle for one among its like; for mixtures there is 'drag " +
                 mixture_law_names() + "'");
   const SettledBed bed = settled_bed(s, grid, facts);
-  if (const double missing = short_at_end(bed, s.deposit); missing > kMostMissing)
+  if (const double missing = short_at_end(bed, s.deposit); missing > kMostMissing && !facts.end_told)
     w.push_back("a bed of " + brief(bed.height) + " m holds few particle cells: where it ends, drag falls short by " +
-                percent_short(missing) + " of its pressure drop; lower ratio along gravity" +
-                (s.deposit == Deposit::kTrilinear ? ", or 'method sharp'" : ""));
+                percent_short(missing) + " of its pressure drop" + shorter_end(s, bed, d));
   if (d > 0 && below(n.h_coarse, 2 * d) && (s.deposit == Deposit::kCentroid || s.deposit == Deposit::kTrilinear))
     w.push_back("the smallest particle cell is " + brief(n.h_coarse / d) +
                 " particle diameters, below 2, so that the void fraction is rough: raise ratio, or 'deposit exact'");

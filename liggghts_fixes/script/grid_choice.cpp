@@ -35,6 +35,7 @@ struct Demand {
   double width = kAnyWidth;                            // of fine cells at most (m)
   std::string why;                                     // what asks for that
   bool thin = false;
+  bool bed = false;       // particle cells are small for a bed that ends
   int cells = 1;          // at least
   std::string cells_why;  // what asks for these
 };
@@ -115,8 +116,10 @@ std::array<Demand, 3> demands(const GridScene& s, const GivenGrids& given) {
     w.common = std::max(s.least_common * s.d, w.least);
     w.most = std::max(kMost * s.d, kMostOfLargest * w.least);
     if (d == s.along && s.bed > 0 && s.bed / s.bed_cells < w.most) {
+      const double target = w.target;
       w.most = std::max(s.bed / s.bed_cells * (1 - 1e-6), w.least);
       w.target = std::min(w.target, w.most), w.common = std::max(w.least, std::min(w.common, 0.8 * w.most));
+      w.bed = w.target < target * (1 - kRound);
     }
     w.thin = w.length < 2 * w.target * (1 - kRound);
     const auto ask = [&](double width, const std::string& why) {
@@ -281,6 +284,15 @@ std::vector<Candidate> candidates(const GridScene& s, const GivenGrids& given, c
   return all;
 }
 
+/// What of its drag the bed lacks on such cells.
+double lacking(const GridScene& s, const Demand& w, const Candidate& c) {
+  return s.bed_missing * s.bed_cells * w.length / c.blocks / s.bed;
+}
+
+std::string percent(double share) {
+  return brief(100 * share) + " %";
+}
+
 std::string reason(const GridScene& s, const GivenGrids& given, const Demand& w, int d, const Candidate& c) {
   const double h = w.length / c.fine(), D = w.length / c.blocks;
   const bool stretched = given.stretch[d] != 1;
@@ -301,10 +313,18 @@ std::string reason(const GridScene& s, const GivenGrids& given, const Demand& w,
     else
       t += ": as the ratio asks";
   }
+  const bool whole = c.ratio == c.fine();
+  const double smallest = stretched && !whole ? smallest_block(w, given, d, c.fine(), c.ratio) : D;
   t += "; " + std::to_string(c.blocks) + " particle cell" + (c.blocks > 1 ? "s" : "") + " of " +
-       std::to_string(c.ratio) + (given.ratio[d] ? " (given), " : ", ") + of_d(s, D);
-  if (!w.thin && w.target < kTarget * s.d * (1 - kRound) && given.fine[d] * given.ratio[d] == 0)
-    t += " (so many that a bed of " + brief(s.bed) + " m lacks little drag where it ends)";
+       std::to_string(c.ratio) + (given.ratio[d] ? " (given), " : ", ") + of_d(s, smallest) +
+       (stretched && !whole ? " the smallest" : "");
+  if (!w.bed || given.fine[d] * given.ratio[d] != 0) return t;
+  const double lacks = lacking(s, w, c);
+  t += " (small for a bed of " + brief(s.bed) + " m, which lacks " +
+       (lacks <= s.bed_missing ? "less than " + percent(s.bed_missing)
+        : lacks > 0.3          ? "a third or more"
+                               : "about " + percent(lacks)) +
+       " of its drag where it ends" + (lacks > s.bed_missing ? "; not below " + of_d(s, w.least) + ")" : ")");
   return t;
 }
 
@@ -357,6 +377,7 @@ GridChoice choose_grids(const GridScene& s, const GivenGrids& given) {
   for (int d = 0; d < 3; ++d) {
     choice.fine[d] = best[d].fine(), choice.ratio[d] = best[d].ratio, cells *= best[d].fine();
     choice.reasons.push_back(reason(s, given, w[d], d, best[d]));
+    if (w[d].bed && given.fine[d] * given.ratio[d] == 0) choice.end_told = lacking(s, w[d], best[d]) > s.bed_missing;
   }
   if (chosen && cells > kMostChosenCells) refuse_number(s, w, cells);
   return choice;

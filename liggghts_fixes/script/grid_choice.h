@@ -55,6 +55,7 @@ struct GridScene {
   double bed = 0;               ///< height of the settled bed (m); 0: unknown, or none
   int along = -1;               ///< direction of gravity
   double bed_cells = 8;         ///< particle cells that this height wants
+  double bed_missing = 0.05;    ///< share of its drag that it then lacks
   std::array<bool, 3> flows{};  ///< a component of the velocity is needed: 2 fine cells at least
   std::array<bool, 3> rubs{};   ///< a side has noslip: 4 at least
   bool one_grid = false;        ///< particles are seen on the fine cells
@@ -74,6 +75,7 @@ struct GivenGrids {
 struct GridChoice {
   Int3 fine{1, 1, 1}, ratio{1, 1, 1};
   std::vector<std::string> reasons;  ///< lines of the scene report, "name: text"
+  bool end_told = false;             ///< among them, that a bed lacks more drag at its end than is wanted
 };
 
 /// Throws std::invalid_argument with a sentence where there is no such choice.

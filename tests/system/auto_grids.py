@@ -76,8 +76,6 @@ def kinds(c, executable):
         r = Run(executable, scene(text, boundary, sizes, more, before=before, fill=fill or f"0 {box[0]!r} 0 {box[1]!r} 0 {0.6 * box[2]!r}"), launcher=None)
         fine, ratio, every = grids(r)
         told = [w for w in OURS if any("WARNING" in line and w in line for line in r.output.splitlines())]
-        if box[2] / (fine[2] // ratio[2]) < 2.1 * max(sizes):  # as low as they may be
-            told = [w for w in told if w != "holds few particle cells"]
         across = [width * fine[d] / box[d] for d, width in jets]
         cells = [box[d] / (fine[d] // ratio[d]) for d in range(3) if fine[d] > 1]
         enough = all(a > 4 - 1e-9 for a in across) and all(w * fine[d] / box[d] > n - 1e-6 for d, w, n in widths)

@@ -143,9 +143,13 @@ TEST(GridChoiceOf, ThinDirectionsWithFlowOrFriction) {
 TEST(GridChoiceOf, AThinBedHasMoreCellsAlongGravity) {
   GridScene s = slot(1.2e-3);
   s.bed = 0.0241;  // 20 d, 8 cells of 2.5 d: 72 mm in 24 of them
-  EXPECT_EQ(choose_grids(s, {}).fine[2], 24);
-  s.bed = 0.012;  // 10 d: 2 d it is, 30 cells
-  EXPECT_EQ(choose_grids(s, {}).fine[2], 30);
+  GridChoice c = choose_grids(s, {});
+  EXPECT_EQ(c.fine[2], 24);
+  EXPECT_TRUE(any(c, "lacks less than 5 % of its drag") && !c.end_told) << c.reasons[3];
+  s.bed = 0.012;  // 10 d: 2 d it is, 30 cells, of which it has 5 in place of 8
+  c = choose_grids(s, {});
+  EXPECT_EQ(c.fine[2], 30);
+  EXPECT_TRUE(any(c, "lacks about 8 % of its drag") && any(c, "not below 2 d") && c.end_told) << c.reasons[3];
   EXPECT_EQ(choose_grids(s, {}).fine[0], 6);
 }
 

@@ -212,7 +212,15 @@ TEST(SceneReportText, ABedThatHoldsFewParticleCells) {
   choose(*find_method("smooth"), 0, s);
   f.particles = 4620;
   EXPECT_NE(report().find("short by about 9.186 %"), std::string::npos) << report();
-  EXPECT_NE(report().find("'method sharp'"), std::string::npos);
+  EXPECT_NE(report().find("; lower ratio along gravity, or 'method sharp'"), std::string::npos);
+  f.end_told = true;
+  EXPECT_EQ(report().find("holds few particle cells"), std::string::npos);
+  f.end_told = false;
+  s.fine[2] = 50, s.ratio[2] = 1;  // the same cells: there is no ratio to lower
+  EXPECT_NE(report().find("; take more fine cells along gravity, by 'fine', or 'method sharp'"), std::string::npos);
+  s.fine[2] = 84, f.particles = 3000;  // of 2.38 mm, below two grains
+  EXPECT_NE(report().find("; 'method sharp' lacks less"), std::string::npos) << report();
+  s.fine[2] = 200, s.ratio[2] = 4;
   f.particles = 1593;  // 6.005 mm, five grains
   EXPECT_NE(report().find("bed's end"), std::string::npos) << report();
   f.particles = 1591;  // 5.998 mm
