@@ -83,7 +83,8 @@ GridScene grid_scene(const Settings& s, const SceneFacts& facts, const std::vect
   g.least = rough ? 2 : s.one_grid ? 0 : 1;
   g.least_common = s.deposit == Deposit::kCentroid ? 3 : 2.5;
   if (s.read == Read::kKernel) g.kernel = s.kernel_width;
-  if (const SettledBed bed = settled_bed(s, fine_grid(s, periodic_directions(s.fluid)), facts); bed.along >= 0) {
+  if (const SettledBed bed = settled_bed(s, fine_grid(s, periodic_directions(s.fluid)), facts);
+      bed.along >= 0 && s.deposit != Deposit::kCube) {  // a cube's volume doesn't hang on the cells
     SettledBed of_one = bed;
     of_one.cells = 1;
     if (const double missing = short_at_end(of_one, s.deposit); missing > 0)

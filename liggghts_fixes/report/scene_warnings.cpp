@@ -81,6 +81,11 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
   if (d > 0 && below(n.h_coarse, 2 * d) && (s.deposit == Deposit::kCentroid || s.deposit == Deposit::kTrilinear))
     w.push_back("the smallest particle cell is " + brief(n.h_coarse / d) +
                 " particle diameters, below 2, so that the void fraction is rough: raise ratio, or 'deposit exact'");
+  if (d > 0 && below(n.h_coarse, d) && s.deposit == Deposit::kExact)
+    w.push_back("the smallest particle cell is " + brief(n.h_coarse / d) +
+                " particle diameters, below 1: a particle fills it, and what is beyond the eps bound goes to cells "
+                "beside: " +
+                (s.one_grid ? "take larger cells by 'fine', or a two-grid method" : "raise ratio"));
   for (int i = 0; i < 3; ++i)
     if (d > 0 && s.fine[i] == 1 && below(grid.axis[i].length(), 2 * d) && s.deposit == Deposit::kCentroid)
       w.push_back(std::string("the domain is ") + brief(grid.axis[i].length() / d) + " particle diameters deep in " +

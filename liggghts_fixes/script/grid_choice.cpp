@@ -14,6 +14,8 @@ namespace twogrid {
 namespace {
 
 constexpr double kTarget = 3, kMost = 4, kMostOfLargest = 1.5;  // particle cells: d; of their least size
+constexpr double kLeastForBed =
+    2;  // d: smaller ones scatter, however the volume is deposited (studies drag_gradient, terminal_velocity)
 constexpr double kAspect = 4, kRound = 1e-9, kAnyWidth = 1e300;
 constexpr double kPatchError = 0.02;  // the scene report warns above it
 constexpr int kFinestMore = 8, kKept = 10, kLooked = 500;
@@ -36,6 +38,7 @@ struct Demand {
   std::string why;                                     // what asks for that
   bool thin = false;
   bool bed = false;       // particle cells are small for a bed that ends
+  double bed_least = 0;   // and then not below (m)
   int cells = 1;          // at least
   std::string cells_why;  // what asks for these
 };
@@ -117,8 +120,9 @@ std::array<Demand, 3> demands(const GridScene& s, const GivenGrids& given) {
     w.most = std::max(kMost * s.d, kMostOfLargest * w.least);
     if (d == s.along && s.bed > 0 && s.bed / s.bed_cells < w.most) {
       const double target = w.target;
-      w.most = std::max(s.bed / s.bed_cells * (1 - 1e-6), w.least);
-      w.target = std::min(w.target, w.most), w.common = std::max(w.least, std::min(w.common, 0.8 * w.most));
+      w.bed_least = std::max(w.least, kLeastForBed * s.d);
+      w.most = std::max(s.bed / s.bed_cells * (1 - 1e-6), w.bed_least);
+      w.target = std::min(w.target, w.most), w.common = std::max(w.bed_least, std::min(w.common, 0.8 * w.most));
       w.bed = w.target < target * (1 - kRound);
     }
     w.thin = w.length < 2 * w.target * (1 - kRound);
@@ -324,7 +328,7 @@ std::string reason(const GridScene& s, const GivenGrids& given, const Demand& w,
        (lacks <= s.bed_missing ? "less than " + percent(s.bed_missing)
         : lacks > 0.3          ? "a third or more"
                                : "about " + percent(lacks)) +
-       " of its drag where it ends" + (lacks > s.bed_missing ? "; not below " + of_d(s, w.least) + ")" : ")");
+       " of its drag where it ends" + (lacks > s.bed_missing ? "; not below " + of_d(s, w.bed_least) + ")" : ")");
   return t;
 }
 

@@ -3,7 +3,7 @@
 //
 //   particle cells  3 d a side, 2.5 to 4, where that makes numbers of cells that suit the rest; d: GridScene::d, and at least two
 //                   of the largest particles with deposit centroid or trilinear, one with others. Along gravity so many that a
-//                   bed that ends in one lacks no more drag than the scene report's warning allows. A direction of fewer than
+//                   bed that ends in one lacks no more drag than the scene report's warning allows, but of 2 d at least. A direction of fewer than
 //                   two of them is one cell, unless the fluid flows along it.
 //   fine cells      one to a particle cell, but 4 across an opening, 4 across a gap or 8 across a body, as GridScene::widths has
 //                   it; no cell is more than 4 times as long as it is wide.

@@ -150,6 +150,9 @@ TEST(GridChoiceOf, AThinBedHasMoreCellsAlongGravity) {
   c = choose_grids(s, {});
   EXPECT_EQ(c.fine[2], 30);
   EXPECT_TRUE(any(c, "lacks about 8 % of its drag") && any(c, "not below 2 d") && c.end_told) << c.reasons[3];
+  s.least = 1, s.bed_cells = 5.4, s.bed = 0.007;  // deposit exact: no smaller
+  EXPECT_EQ(choose_grids(s, {}).fine[2], 30);
+  s.least = 2, s.bed_cells = 8, s.bed = 0.012;
   EXPECT_EQ(choose_grids(s, {}).fine[0], 6);
 }
 

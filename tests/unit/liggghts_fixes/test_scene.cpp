@@ -268,6 +268,18 @@ TEST(SceneWarnings, NoneAtTheLimitItself) {
   EXPECT_FALSE(rough());
   f.d_max = 1.2001e-3;
   EXPECT_TRUE(rough());
+  // Volume of sphere and cell in common: a cell holds one.
+  f.d_max = 2.4e-3;
+  s.deposit = Deposit::kExact;
+  const auto filled = [&] {
+    const FineGrid grid = fine_grid(s, {false, false, false});
+    return any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "below 1: a particle fills it");
+  };
+  EXPECT_FALSE(filled());
+  f.d_max = 2.4001e-3;
+  EXPECT_TRUE(filled());
+  s.deposit = Deposit::kCube;
+  EXPECT_FALSE(filled());
 }
 
 TEST(SceneWarnings, NoiseOfParticlesThatChangeCellsAtOnce) {
