@@ -108,7 +108,7 @@ void FluidSettings::check_flow(const FineGrid& grid) const {
       const BoundaryCondition& condition = side[s][c];
       if (size[c].open == 0 && !condition.name.empty())
         refuse(name_of(s, condition), "a shape that holds no fine face's centre",
-               "one that covers at least one fine face of the side, or finer cells");
+               "one that covers at least one fine face of the side, or more cells along the side by 'fine'");
       if (condition.kind == BoundaryKind::kPressure && size[c].open > 0) outlet = true;
       if (condition.kind != BoundaryKind::kInlet) continue;
       variable = variable || bool(condition.velocity_now);

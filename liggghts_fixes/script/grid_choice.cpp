@@ -130,9 +130,8 @@ std::array<Demand, 3> demands(const GridScene& s, const GivenGrids& given) {
       if (width < w.width * (1 - kRound)) w.width = width, w.why = why;
     };
     for_each_opening(s, d, [&](const Opening& o, double a, double b) {
-      if (o.asks)
-        ask((b - a) / kCellsAcrossOpening,
-            std::to_string(kCellsAcrossOpening) + " across " + o.name + ", " + brief(b - a) + " m wide" + in);
+      const int across = o.asks ? kCellsAcrossOpening : kCellsAcrossWallPatch;
+      ask((b - a) / across, std::to_string(across) + " across " + o.name + ", " + brief(b - a) + " m wide" + in);
     });
     for (const WidthAcross& across : s.widths)
       if (across.size[d] > 0)

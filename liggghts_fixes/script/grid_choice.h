@@ -5,7 +5,7 @@
 //                   of the largest particles with deposit centroid or trilinear, one with others. Along gravity so many that a
 //                   bed that ends in one lacks no more drag than the scene report's warning allows, but of 2 d at least. A direction of fewer than
 //                   two of them is one cell, unless the fluid flows along it.
-//   fine cells      one to a particle cell, but 4 across an opening, 4 across a gap or 8 across a body, as GridScene::widths has
+//   fine cells      one to a particle cell, but 4 across an opening, 2 across a patch that is a wall, 4 across a gap or 8 across a body, as GridScene::widths has
 //                   it; no cell is more than 4 times as long as it is wide.
 //
 // Of the numbers that are allowed those are taken that have few cells, openings whose edges lie on sides of fine cells (a patch
@@ -23,6 +23,8 @@ namespace twogrid {
 
 /// Cells that openings must have across them, and bodies a diameter.
 constexpr int kCellsAcrossOpening = 4, kCellsAcrossBody = 8;
+/// And patches that are walls, so that they are there.
+constexpr int kCellsAcrossWallPatch = 2;
 /// More fine cells than these are no choice of ours.
 constexpr double kMostChosenCells = 2e7;
 
@@ -32,7 +34,7 @@ struct Opening {
   int side = kZlo;   ///< of the domain
   PatchShape::Kind kind = PatchShape::Kind::kRectangle;
   std::array<double, 4> extent{};              ///< lo hi lo hi in the side's two directions (m)
-  bool asks = true;                            ///< for cells across it; else its edges only are looked at
+  bool asks = true;                            ///< something passes through: for more cells than a wall
   double area = 0;                             ///< of a region (m2)
   std::function<bool(double, double)> inside;  ///< of a region, of the two coordinates (m)
 };

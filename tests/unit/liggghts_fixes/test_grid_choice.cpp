@@ -87,6 +87,17 @@ TEST(GridChoiceOf, JetsAskWhereverTheyAre) {
   EXPECT_EQ(choose_grids(s, {}).fine[1], 8);
 }
 
+TEST(GridChoiceOf, WallPatchesHaveTwoCells) {
+  // A plate of 0.5 mm in cells of 3.6 mm would hold no face's centre.
+  GridScene s = slot(1.2e-3);
+  s.openings = {rect(kZlo, 0.003, 0.0035, 0, 0.0048)};
+  s.openings[0].asks = false;
+  const GridChoice c = choose_grids(s, {});
+  EXPECT_GE(c.fine[0] * 0.0005 / 0.0216, 2 - 1e-9);
+  EXPECT_LE(c.fine[0] * 0.0005 / 0.0216, 3.5);
+  EXPECT_TRUE(any(c, "2 across patch jet, 0.0005 m wide"));
+}
+
 TEST(GridChoiceOf, OddPlacesKeepTheArea) {
   // Whole faces are taken, those whose centre the patch covers: of 2.3 mm at 7.13 mm within 2 % for the number that is chosen.
   for (double a : {0.0, 1.37e-3, 7.13e-3, 13.01e-3, 19.3e-3})
