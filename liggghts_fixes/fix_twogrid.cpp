@@ -136,7 +136,7 @@ int FixTwogrid::modify_param(int narg, char** arg) {
 
 void FixTwogrid::look_at_bodies(SceneFacts& facts) const {
   const FluidSettings& s = script_.settings.fluid;
-  facts.end_told = script_.end_told;
+  facts.end_told = script_.end_told, facts.chosen_for = script_.chosen_for;
   if (s.bodies.empty()) return;
   bodies_.find_known(facts.walls, s, fluid_->grid());
   facts.open_area = open_areas(world, s, *fluid_);

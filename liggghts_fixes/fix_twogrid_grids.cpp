@@ -53,7 +53,7 @@ void FixTwogrid::choose_cells() {
   const std::vector<WidthAcross> widths = look_at_bodies(some.settings, facts);
   const GridChoice choice = choose_grids(grid_scene(some.settings, facts, widths), given_grids(script_));
   s.fine = choice.fine, s.ratio = choice.ratio;
-  script_.choices = choice.reasons, script_.end_told = choice.end_told;
+  script_.choices = choice.reasons, script_.end_told = choice.end_told, script_.chosen_for = facts.d_most;
 }
 
 void FixTwogrid::choose_every(const SceneFacts& facts, const FineGrid& grid) {

@@ -61,8 +61,9 @@ struct SceneFacts {
   std::optional<OpenNodes::Figures> nodes;       ///< what they make of the particle grid
   std::array<std::vector<double>, 6> open_area;  ///< with bodies: of each condition of each side (m2)
   std::vector<double> drawn_blowing;             ///< of each body's mesh, that blows (m2); 0: unknown
-  bool end_told = false;                         ///< the choice of grids says what drag a bed lacks where it ends
-  bool still = false;                            ///< no fix moves particles
+  double chosen_for = 0;  ///< auto chose the particle cells, for particles up to this diameter (m); 0: it didn't
+  bool end_told = false;  ///< the choice of grids says what drag a bed lacks where it ends
+  bool still = false;     ///< no fix moves particles
   int ranks = 1;
   Int3 bricks{1, 1, 1}, fluid_bricks{1, 1, 1};
   bool sizes_differ() const { return d_max > d_min * (1 + 1e-9); }

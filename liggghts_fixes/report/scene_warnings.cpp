@@ -62,6 +62,23 @@ std::string shorter_end(const Settings& s, const SettledBed& bed, double d) {
          (trilinear ? ", or 'method sharp'" : "");
 }
 
+/// Particle cells that don't hold the largest particles, those to come included; else empty.
+std::string small_cells(const Settings& s, const SceneNumbers& n, const SceneFacts& facts) {
+  const double d = std::max(facts.d_max, facts.d_most);
+  const bool rough = s.deposit == Deposit::kCentroid || s.deposit == Deposit::kTrilinear;
+  if (!(d > 0) || !below(n.h_coarse, rough ? 2 * d : d) || s.deposit == Deposit::kCube) return "";
+  std::string t = "the smallest particle cell is " + brief(n.h_coarse / d) + " particle diameters, below " +
+                  (rough ? "2, so that the void fraction is rough: "
+                         : "1: a particle fills it, and what is beyond the eps bound goes to cells beside: ");
+  if (facts.chosen_for > 0 && below(facts.chosen_for, d))
+    return t + "the cells were chosen (auto) for particles up to " + brief(facts.chosen_for) +
+           " m and are kept, and now there are some of " + brief(d) +
+           " m, or a template of them: let all fixes particletemplate/sphere and insert/... stand before the first run "
+           "with the fluid, or give numbers for 'fine' and 'ratio'";
+  if (rough) return t + "raise ratio, or 'deposit exact'";
+  return t + (s.one_grid ? "take larger cells by 'fine', or a two-grid method" : "raise ratio");
+}
+
 }  // namespace
 
 std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid, const SceneFacts& facts,
@@ -78,14 +95,7 @@ std::vector<std::string> scene_warnings(const Settings& s, const FineGrid& grid,
   if (const double missing = short_at_end(bed, s.deposit); missing > kMostMissing && !facts.end_told)
     w.push_back("a bed of " + brief(bed.height) + " m holds few particle cells: where it ends, drag falls short by " +
                 percent_short(missing) + " of its pressure drop" + shorter_end(s, bed, d));
-  if (d > 0 && below(n.h_coarse, 2 * d) && (s.deposit == Deposit::kCentroid || s.deposit == Deposit::kTrilinear))
-    w.push_back("the smallest particle cell is " + brief(n.h_coarse / d) +
-                " particle diameters, below 2, so that the void fraction is rough: raise ratio, or 'deposit exact'");
-  if (d > 0 && below(n.h_coarse, d) && s.deposit == Deposit::kExact)
-    w.push_back("the smallest particle cell is " + brief(n.h_coarse / d) +
-                " particle diameters, below 1: a particle fills it, and what is beyond the eps bound goes to cells "
-                "beside: " +
-                (s.one_grid ? "take larger cells by 'fine', or a two-grid method" : "raise ratio"));
+  if (const std::string sentence = small_cells(s, n, facts); !sentence.empty()) w.push_back(sentence);
   for (int i = 0; i < 3; ++i)
     if (d > 0 && s.fine[i] == 1 && below(grid.axis[i].length(), 2 * d) && s.deposit == Deposit::kCentroid)
       w.push_back(std::string("the domain is ") + brief(grid.axis[i].length() / d) + " particle diameters deep in " +

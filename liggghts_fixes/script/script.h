@@ -55,6 +55,7 @@ struct Script {
   bool every_auto = false;
   std::array<bool, 3> fine_auto{}, ratio_auto{};  ///< the settings' numbers are 0 until they are chosen (grid_choice.h)
   std::vector<std::string> choices;               ///< what `auto` has chosen and why, lines of the scene report
+  double chosen_for = 0;                          ///< particle cells were, for particles up to this diameter (m)
   bool end_told = false;                          ///< among them, that a bed lacks drag where it ends
   bool grids_auto() const { return fine_auto != std::array<bool, 3>{} || ratio_auto != std::array<bool, 3>{}; }
   std::string checkpoint_read, checkpoint_write;  ///< files; empty: not asked for

@@ -182,12 +182,22 @@ def goes_on(c, executable):
         c.true(f"chosen anew they would be others: {grids(fresh)}", grids(fresh)[:2] != grids(first)[:2])
 
 
+def larger_later(c, executable):
+    """A template, and its insertion, that come after the first run: the grids stay, and that is said."""
+    later = "fix ball all particletemplate/sphere 86028121 atom_type 1 density constant 1000 radius constant 0.003\n" \
+        "fix mix all particledistribution/discrete 49979687 1 ball 1.0\nregion up block 0.001 0.0206 0 0.0048 0.02 0.035 units box\n" \
+        "fix more all insert/rate/region seed 86028157 distributiontemplate mix nparticles 5 particlerate 1000 insert_every 200 overlapcheck yes all_in no region up\n"
+    r = Run(executable, BED + gas() + JET + "run 10\n" + later + "run 10\n", launcher=None)
+    told = [x for x in r.output.splitlines() if "WARNING" in x and "chosen (auto)" in x]
+    c.true(f"grains of 6 mm after the first run: {told[0][:160] if told else 'no warning'}", len(told) == 1 and "0.006 m" in told[0])
+
+
 def refused(c, executable):
     for what, box, sizes, words, more, wanted in (
             ("a jet of 0.1 mm in a box of 1 m", "0 1 0 1 0 1", [0.05], AUTO, "fix_modify gas boundary zlo patch j rect 0.5 0.5001 0.5 0.5001 inlet 0 0 5 boundary zhi pressure 0\n", ("patch j of zlo", "40000 in x", "give numbers")),
             ("stretch", "0 0.1 0 0.1 0 0.1", [0.005], AUTO + " stretch z 1.1", "", ("stretch", "in z")),
             ("a prime number of cells", "0 0.1 0 0.1 0 0.1", [0.005], "fine 20 20 61 ratio auto every auto", "", ("61", "ratio")),
-            ("a prime number of cells that grow", "0 0.1 0 0.1 0 0.1", [0.005], "fine 20 20 61 ratio auto every auto stretch z 1.05", "", ("61", "fine 60 in z", "a number for ratio in z", "a smaller 'stretch'")),
+            ("a prime number of cells that grow", "0 0.1 0 0.1 0 0.1", [0.005], "fine 20 20 61 ratio auto every auto stretch z 1.05", "", ("61", "fine 57 in z", "a number for ratio in z", "a smaller 'stretch'")),
             ("a ratio that makes cells of a grain", "0 0.1 0 0.1 0 0.1", [0.005], "fine auto ratio 2 2 2 every auto", "fix_modify gas boundary zlo patch j rect 0.05 0.058 0 0.1 inlet 0 0 5 boundary zhi pressure 0\n", ("ratio", "patch j of zlo", "or auto")),
             ("one grid", "0 0.1 0 0.1 0 0.1", [0.005], AUTO, "fix_modify gas method single boundary zlo patch j rect 0.05 0.058 0 0.1 inlet 0 0 5 boundary zhi pressure 0\n", ("method single", "numbers")),
             ("no grains, no templates", "0 0.1 0 0.1 0 0.1", None, AUTO, "", ("no particles nor templates", "numbers of cells"))):
@@ -209,6 +219,7 @@ def main():
     same(c, executable, ranks)
     interval(c, executable)
     goes_on(c, executable)
+    larger_later(c, executable)
     refused(c, executable)
     c.end()
 

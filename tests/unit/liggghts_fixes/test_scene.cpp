@@ -280,6 +280,16 @@ TEST(SceneWarnings, NoneAtTheLimitItself) {
   EXPECT_TRUE(filled());
   s.deposit = Deposit::kCube;
   EXPECT_FALSE(filled());
+  // Grains of a template that isn't in yet; cells that were chosen before it was there.
+  s.deposit = Deposit::kCentroid;
+  f.d_max = 1.2e-3, f.d_most = 6e-3;
+  EXPECT_TRUE(rough());
+  f.chosen_for = 1.2e-3;
+  const FineGrid grid = fine_grid(s, {false, false, false});
+  EXPECT_TRUE(
+      any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "chosen (auto) for particles up to 0.0012 m"));
+  f.chosen_for = 6e-3;
+  EXPECT_FALSE(any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "chosen (auto)"));
 }
 
 TEST(SceneWarnings, NoiseOfParticlesThatChangeCellsAtOnce) {
