@@ -102,12 +102,15 @@ class Jets:
 
     def merging(self, weight):
         """Mean over neighbouring jets of the height at which the bridge of grains between them has half of its depth in the lowest layer: the void fraction in the
-        middle between the axes, below the smaller of the two jets' ridges."""
+        middle between the axes, below the smaller of the two jets' ridges. The middle of the lowest layer, at most, where there is no bridge at all."""
         eps, height, ridges = self.mean(self.eps, weight), plot_fields.centres(self.z), self.ridges(weight)
         found = []
         for i, (a, b) in enumerate(zip(self.columns, self.columns[1:])):
             middle = eps[:, [(a + b) // 2, (a + b + 1) // 2]].mean(axis=1)
             bridge = np.minimum(ridges[i], ridges[i + 1]) - middle
+            if bridge[0] <= 0:
+                found.append(height[0])
+                continue
             low = bridge < 0.5 * bridge[0]
             k = int(np.argmax(low))
             found.append(np.interp(-0.5 * bridge[0], -bridge[k - 1:k + 1], height[k - 1:k + 1]) if low.any() else np.inf)
