@@ -54,17 +54,32 @@ struct AveragesState {
 /// How sure the means on the particle grid are, from the scatter of their full batches: root mean squares over the cells, each
 /// counted with its mean volume of solids (where there are none: with its open volume).
 struct MeansError {
+  static constexpr double kAlike = 0.3;      ///< neighbours' correlation from which on scatter says too little
+  static constexpr double kRoundOff = 1e-9;  ///< scatter of batches that says that nothing changes
+  static constexpr double kDriftOver = 2;    ///< see bounded()
+
   int batches = 0;           ///< full ones; below AveragesState::kBatches / 2 nothing below is known
   double batch_time = 0;     ///< length of one (s)
   double eps = 0, flux = 0;  ///< standard errors of void fraction and gas flux over their own means
+  double scatter = 0;        ///< of a single batch's means, over the means: the larger of the two
   double correlation_time =
-      0;           ///< of void fraction and gas velocity: integral of their correlation over lags above 0 (s)
-  double lag = 0;  ///< correlation of neighbouring batches, by which the errors have been made larger
+      0;  ///< of void fraction and gas velocity: integral of their correlation over lags above 0 (s); 0 within round-off
+  double lag = 0;     ///< correlation of neighbouring batches, by which the errors have been made larger
+  double passes = 0;  ///< so often the gas has passed the domain's longest side in the means' time
 
   bool known() const { return batches >= AveragesState::kBatches / 2; }
+  bool long_enough() const { return batch_time >= 4 * correlation_time; }
   /// Batches long enough against the flow's memory for their scatter to be what the errors are made of.
-  bool trusted() const { return known() && batch_time >= 4 * correlation_time && lag < 0.3; }
-  bool within(double relative) const { return trusted() && eps <= relative && flux <= relative; }
+  bool trusted() const { return known() && long_enough() && lag < kAlike; }
+  bool steady() const { return known() && scatter <= kRoundOff; }
+  /// However alike neighbours are, as in a slow change: a mean of batches scatters no more than one of them. Of a change along
+  /// a straight line through all batches the end is off by sqrt(3) scatters, hence the factor. What is slower than all of them
+  /// together they can't show: they must be of a time that the caller finds long enough.
+  bool bounded(double relative) const { return known() && kDriftOver * scatter <= relative; }
+  /// long_time: see bounded().
+  bool within(double relative, bool long_time) const {
+    return (trusted() && eps <= relative && flux <= relative) || (long_time && (steady() || bounded(relative)));
+  }
 };
 
 class Averages {
@@ -82,8 +97,9 @@ class Averages {
   double weight() const { return state_.weight; }
   /// Samples to come until the batch in hand is full.
   long long samples_to_full_batch() const { return state_.batch_length - state_.batch_samples; }
-  /// Collective.
-  MeansError error() const;
+  /// at_rest: speed (m/s) up to which the gas counts as at rest, where nothing drives it: fluxes below are no measure of
+  /// their errors. Collective.
+  MeansError error(double at_rest = 0) const;
   /// Forgets all samples. Local.
   void begin_anew();
   /// Upper bound of what write() adds to a file that has no means yet (of all ranks), bytes.

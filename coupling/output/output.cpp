@@ -11,15 +11,13 @@
 #include "cfd/fluid/fluid.h"
 #include "cfd/parallel/rank_0.h"
 #include "cfd/parallel/ranks.h"
-#include "coupling/output/averages.h"
 #include "coupling/output/file_lock.h"
-#include "coupling/output/flow_numbers.h"
 #include "coupling/output/frame_writer.h"
 #include "coupling/output/growing_file.h"
+#include "coupling/output/means.h"
 #include "coupling/output/on_disk.h"
 #include "coupling/output/record.h"
 #include "coupling/output/run_files.h"
-#include "coupling/output/start_up.h"
 #include "coupling/output/wall_writer.h"
 #include "coupling/output/xdmf.h"
 #include "coupling/two_grid/particle_grid.h"
@@ -80,15 +78,10 @@ class Output::Impl {
   Impl(MPI_Comm comm, const Settings& settings, const Fluid& fluid, const Record& record);
   std::vector<std::string> begin(long step, long last);
   void frame(double t, long step, const Particles& particles);
-  std::string average(double weight, const Particles& particles, double pressure_drop);
-  bool sure_enough() const { return sure_enough_; }
-  long long samples_to_decide() const;
-  std::string sureness() const;
   void finish();
   std::string sync();
   OutputState& state() { return state_; }
-  Averages* averages() { return averages_.get(); }
-  StartUp* start_up() { return start_up_.get(); }
+  Means& means() { return means_; }
   WallMeansState* wall_means() { return walls_.has_means() ? &walls_.state() : nullptr; }
 
  private:
@@ -100,9 +93,7 @@ class Output::Impl {
   void write_means(GrowingFile& file);
   void show_means();
   /// Written over, once they are in the file.
-  double room_for_means() const { return means_in_file_ ? 0 : averages_->bytes() + walls_.bytes_of_means(); }
-  bool means_are_new() const { return averages_ && averages_->weight() > 0 && averages_->weight() != means_written_; }
-  void begin_means_anew();
+  double room_for_means() const { return means_in_file_ ? 0 : means_.bytes() + walls_.bytes_of_means(); }
   void make_groups(GrowingFile& file) const;
 
   MPI_Comm comm_;
@@ -119,14 +110,11 @@ class Output::Impl {
   std::string file_;  // that of this leg
   int frames_ = 0;    // in it
   bool means_in_file_ = false;
-  double means_written_ = 0;  // their weight
   bool means_shown_ = false;  // their XDMF file is there
-  bool sure_enough_ = false;
 
   FrameWriter frame_writer_;
   WallWriter walls_;
-  std::unique_ptr<Averages> averages_;  // only if wanted
-  std::unique_ptr<StartUp> start_up_;   // the same
+  Means means_;
   std::unique_ptr<XdmfSeries> series_;  // rank 0 only
 };
 
@@ -141,12 +129,10 @@ Output::Impl::Impl(MPI_Comm comm, const Settings& settings, const Fluid& fluid, 
       n_(fluid.grid().n()),
       file_(settings_.file),
       frame_writer_(comm, fluid, settings_),
-      walls_(comm, fluid, settings) {
+      walls_(comm, fluid, settings),
+      means_(comm, fluid, settings_, walls_) {
   coarse_.take_open_part(comm, fluid, {1, 1, 1});
-  if (settings_.average_from >= 0) averages_ = std::make_unique<Averages>(comm, fluid.grid(), fluid.layout(), coarse_);
-  const auto& axis = fluid.grid().axis;
-  if (settings_.average_auto)
-    start_up_ = std::make_unique<StartUp>(std::max({axis[0].length(), axis[1].length(), axis[2].length()}));
+  means_.begin(coarse_);
 }
 
 std::string Output::Impl::id() const {
@@ -247,7 +233,7 @@ void Output::Impl::go_on(const WhereToWrite& where, long step) {
       file.remove("/fluid/" + name), file.remove("/particles/" + name), file.remove("/walls/" + name);
     file.close();
   }
-  const bool has_means = averages_ && averages_->weight() > 0;
+  const bool has_means = means_.there();
   means_in_file_ = where.means && has_means;
   GrowingFile file(comm_, file_, false, 262144 + walls_.bytes_of_bodies() + (has_means ? room_for_means() : 0));
   write_leg(file, comm_, record_, where.leg, step);
@@ -264,7 +250,7 @@ void Output::Impl::frame(double t, long step, const Particles& particles) {
   char name[16];
   std::snprintf(name, sizeof name, "%06d", frames_);
   const double bytes = frame_writer_.count(particles) + walls_.bytes_of_frame();
-  const bool has_means = means_are_new();
+  const bool has_means = means_.are_new();
   GrowingFile file(comm_, file_, false, bytes + (has_means ? room_for_means() : 0));
   XdmfFrame shown = frame_writer_.write(file, name, t, step, particles);
   shown.walls = walls_.write_frame(file, name, t, step);
@@ -276,82 +262,14 @@ void Output::Impl::frame(double t, long step, const Particles& particles) {
   if (has_means) show_means();
 }
 
-std::string Output::Impl::average(double weight, const Particles& particles, double pressure_drop) {
-  if (!averages_) return "";
-  std::string news;
-  if (start_up_) {
-    const double begun = start_up_->begun();
-    news = start_up_->add(fluid_.time(), weight, flow_numbers(comm_, fluid_, particles, settings_.up, pressure_drop));
-    if (start_up_->begun() != begun) {
-      begin_means_anew();
-      return news;
-    }
-    if (!start_up_->over()) return news;
-  }
-  // Times are sums of steps: a time that differs by round-off from the wanted one counts as that.
-  if (!(fluid_.time() >= settings_.average_from * (1 - 1e-12))) return news;
-  averages_->add(weight, fluid_, particles);
-  walls_.add(weight);
-  if (settings_.until > 0 && averages_->samples_to_full_batch() == 0)
-    sure_enough_ = (!start_up_ || start_up_->has_looked()) && averages_->error().within(settings_.until);
-  return news;
-}
-
-void Output::Impl::begin_means_anew() {
-  averages_->begin_anew();
-  walls_.begin_means_anew();
-  means_written_ = 0;
-  sure_enough_ = false;
-}
-
-long long Output::Impl::samples_to_decide() const {
-  // Where nothing has been summed up yet, or a batch is full, a sample is a batch.
-  return averages_ ? std::max(1LL, averages_->samples_to_full_batch()) : 1;
-}
-
-std::string Output::Impl::sureness() const {
-  if (!averages_) return "";
-  if (start_up_ && !start_up_->over())
-    return "start-up is not over, and there are no means: the run must be longer, or 'output average from' a time";
-  const MeansError e = averages_->error();
-  if (!e.known()) return "";
-  const auto percent = [](double x) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g %%", 100 * x);
-    return std::string(text);
-  };
-  const auto seconds = [](double x) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g s", x);
-    return std::string(text);
-  };
-  std::string s = "means over " + seconds(averages_->weight()) + ": standard error of the void fraction " +
-                  percent(e.eps) + ", of the gas flux " + percent(e.flux) + " (" + std::to_string(e.batches) +
-                  " batches of " + seconds(e.batch_time) + ", correlation time " + seconds(e.correlation_time) + ")";
-  if (!e.trusted()) return s + "; the batches are too short against it: the errors are larger than that";
-  const double worst = std::max(e.eps, e.flux) / std::max(settings_.until, 1e-300);
-  if (settings_.until > 0 && worst > 1)
-    s += "; 'until' wants " + percent(settings_.until) + ", which takes some " +
-         seconds(averages_->weight() * (worst * worst - 1)) + " more";
-  return s;
-}
-
 void Output::Impl::write_means(GrowingFile& file) {
-  averages_->write(file);
+  means_.write(file);
   walls_.write_means(file);
-  const MeansError e = averages_->error();
-  file.attribute("/average", "from", start_up_ ? start_up_->begun() : settings_.average_from);
-  file.attribute("/average", "to", fluid_.time());
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  file.attribute("/average", "standard_error_eps", e.known() ? e.eps : none);
-  file.attribute("/average", "standard_error_flux", e.known() ? e.flux : none);
-  file.attribute("/average", "correlation_time", e.known() ? e.correlation_time : none);
-  means_written_ = averages_->weight();
   means_in_file_ = true;
 }
 
 void Output::Impl::finish() {
-  if (!means_are_new()) return;
+  if (!means_.are_new()) return;
   GrowingFile file(comm_, file_, false, room_for_means());
   write_means(file);
   file.close();
@@ -414,16 +332,28 @@ void Output::frame(double t, long step, const Particles& particles) {
   impl_->frame(t, step, particles);
 }
 std::string Output::average(double weight, const Particles& particles, double pressure_drop) {
-  return impl_->average(weight, particles, pressure_drop);
+  return impl_->means().add(weight, particles, pressure_drop);
 }
 bool Output::sure_enough() const {
-  return impl_->sure_enough();
+  return impl_->means().sure_enough();
 }
 long long Output::samples_to_decide() const {
-  return impl_->samples_to_decide();
+  return impl_->means().samples_to_decide();
 }
 std::string Output::sureness() const {
-  return impl_->sureness();
+  return impl_->means().sureness();
+}
+double& Output::means_anew() {
+  return impl_->means().anew();
+}
+void Output::set_driven(bool driven) {
+  impl_->means().set_driven(driven);
+}
+void Output::average_as(const OutputSettings& settings) {
+  impl_->means().average_as(settings);
+}
+std::string Output::meet_other_conditions(const std::string& what, bool* warns) {
+  return impl_->means().meet_other_conditions(what, warns);
 }
 void Output::finish() {
   impl_->finish();
@@ -438,10 +368,10 @@ WallMeansState* Output::wall_means() {
   return impl_->wall_means();
 }
 StartUp* Output::start_up() {
-  return impl_->start_up();
+  return impl_->means().start_up();
 }
 Averages* Output::averages() {
-  return impl_->averages();
+  return impl_->means().averages();
 }
 
 }  // namespace twogrid

@@ -94,6 +94,16 @@ class Output {
   Averages* averages();          ///< Null: none wanted.
   WallMeansState* wall_means();  ///< The same.
   StartUp* start_up();           ///< Null: not to be found.
+  double&
+  means_anew();  ///< The fluid's time (s) at which a run had the means begin anew; 0: none had. To be kept, too.
+
+  /// For the run that begins: whether anything drives the fluid through the domain. Without a call: yes.
+  void set_driven(bool driven);
+  /// The means begin anew, from then on and until then as these settings say. There must have been means before.
+  void average_as(const OutputSettings& settings);
+  /// The run that begins has other conditions of the flow than the one before had at its end: with `average from auto` start-up
+  /// and means begin anew. Returns what is to be said, as a sentence that begins with `what`; warns: as a warning.
+  std::string meet_other_conditions(const std::string& what, bool* warns);
 
   /// Adds a frame of the fields at time t (s), DEM step `step`, and the means so far. Collective. Throws
   /// std::runtime_error with a sentence on all ranks when it can't be written.

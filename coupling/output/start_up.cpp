@@ -9,6 +9,7 @@ namespace twogrid {
 namespace {
 
 constexpr int kLeastBins = 32, kGroups = 8;
+constexpr double kRoundOff = 1e-9;  // of a number itself
 const char* const kNames[kFlowNumbers] = {"pressure drop", "solids' height", "solids' kinetic energy",
                                           "fluid's kinetic energy"};
 
@@ -53,7 +54,7 @@ std::array<double, 2> drift_of(const std::vector<double>& values, double fine) {
     rest += r * r;
   }
   // Round-off alone is no drift.
-  const double scatter = std::max({std::sqrt(rest / (n - 2)), fine, 1e-9 * std::abs(mean) + 1e-300});
+  const double scatter = std::max({std::sqrt(rest / (n - 2)), fine, kRoundOff * std::abs(mean) + 1e-300});
   return {std::abs(slope) * std::sqrt(squares) / scatter, std::abs(slope) * (n - 1) / scatter};
 }
 
@@ -67,6 +68,12 @@ void StartUp::begin_series(double time, double next_look) {
   state_.bins = 0, state_.bin_length = 1, state_.bin_samples = 0;
   state_.looks = 0, state_.next_look = next_look;
   state_.series.assign(std::size_t(kBins) * kColumns, 0.0);
+}
+
+void StartUp::begin_anew(double time) {
+  state_.begun = -1;
+  state_.fine.assign(kFlowNumbers, 0.0);
+  begin_series(time, 0);
 }
 
 std::string StartUp::add(double time, double weight, const FlowNumbers& numbers) {
@@ -105,27 +112,58 @@ double StartUp::passes(double time) const {
   return (time - state_.origin) * std::sqrt(2 * energy / weight) / longest_;
 }
 
+int StartUp::left_of(int number, double time, double* fine) const {
+  const std::vector<double> means = means_of(number);
+  const auto [low, high] = std::minmax_element(means.begin(), means.end());
+  const double rest = kRest * longest_ / (time - state_.origin);  // m/s
+  const bool energy = number == kFlowSolidsEnergy || number == kFlowFluidEnergy;
+  *fine = std::max({kFine * (*high - *low), kRoundOff * std::max(std::abs(*low), std::abs(*high)),
+                    energy ? 0.5 * rest * rest : 0.0});
+  return beginning_to_leave(means, *fine);
+}
+
 std::string StartUp::look_for_end(double time) {
   StartUpState& s = state_;
   if (s.bins < kLeastBins) return "";
   int left = 0;
-  for (int q = 0; q < kFlowNumbers; ++q) {
-    const std::vector<double> means = means_of(q);
-    const auto [low, high] = std::minmax_element(means.begin(), means.end());
-    s.fine[q] = kFine * (*high - *low);
-    left = std::max(left, beginning_to_leave(means, s.fine[q]));
-  }
+  for (int q = 0; q < kFlowNumbers; ++q) left = std::max(left, left_of(q, time, &s.fine[q]));
   if (left == s.bins) {
     s.held = -1;
     return "";
   }
   if (s.held < 0) s.held = time;
   const double since = time - s.origin;
-  if (s.held - s.origin > 0.8 * since || passes(time) < kPasses) return "";
+  if (s.held - s.origin > 0.8 * since || (passes_wanted_ && passes(time) < kPasses)) return "";
   s.begun = time;
   const double length = since * left / s.bins;
   begin_series(time, time + since);
   return "start-up lasted " + brief(length) + " s, means are taken from " + brief(time) + " s on";
+}
+
+std::string StartUp::why_not_over(double time) const {
+  const StartUpState& s = state_;
+  const std::string longer = "the run must be longer, or 'output average from' a time";
+  if (s.bins < kLeastBins)
+    return "it is looked for after " + std::to_string(kLeastBins) + " samples at couplings, and there are " +
+           std::to_string(s.bins * s.bin_length + s.bin_samples) + ": " + longer;
+  std::string changing, why;
+  int numbers = 0;
+  for (int q = 0; q < kFlowNumbers; ++q) {
+    double fine = 0;
+    if (left_of(q, time, &fine) < s.bins) continue;
+    changing += (numbers++ == 0 ? "the " : " and the ") + std::string(kNames[q]);
+  }
+  const double since = time - s.origin, steady = s.held < 0 ? 0 : time - s.held;
+  if (numbers > 0)
+    why = changing + (numbers > 1 ? " still change" : " still changes");
+  else if (steady < 0.2 * since)
+    why = "the flow has been steady for " + brief(steady) + " s, of the fifth of " + brief(since) + " s that is wanted";
+  const double passed = passes(time);
+  if (passes_wanted_ && passed < kPasses)
+    why += std::string(why.empty() ? "" : ", and ") + "the fluid has passed the domain's longest side " +
+           brief(passed) + " of " + brief(kPasses) + " times" +
+           (passed > 0.01 ? ", which takes some " + brief(since * (kPasses / passed - 1)) + " s more" : "");
+  return (why.empty() ? "it is looked for again soon" : why) + ": " + longer;
 }
 
 std::string StartUp::look_for_drift(double time) {

@@ -101,6 +101,57 @@ TEST(StartUp, FluidHasToPassTheDomain) {
   EXPECT_GE(begun(start_up, 60, [](double) { return 1.0; }), StartUp::kPasses * 1.0 - 1e-9);
 }
 
+TEST(StartUp, WhatNothingDrivesNeedNotPass) {
+  StartUp start_up(1.0);
+  start_up.want_passes(false);
+  EXPECT_GT(begun(start_up, 60, [](double) { return 1.0; }), 0);
+  EXPECT_LT(start_up.begun(), StartUp::kPasses * 1.0 / 2);
+}
+
+// Constant numbers whose sums are rounded, and a bed whose grains tremble less and less.
+TEST(StartUp, RestIsRest) {
+  StartUp start_up(0.1);
+  double t = 0;
+  while (!start_up.over() && t < 5) {
+    FlowNumbers numbers{};
+    numbers[kFlowPressureDrop] = 0.1, numbers[kFlowSolidsHeight] = 1.0 / 3, numbers[kFlowFluidEnergy] = 0.7;
+    numbers[kFlowSolidsEnergy] = 1e-14 * std::exp(-t);
+    start_up.add(t += kDt, kDt, numbers);
+  }
+  EXPECT_TRUE(start_up.over()) << start_up.why_not_over(t);
+}
+
+TEST(StartUp, SaysWhatItWaitsFor) {
+  const auto has = [](const std::string& s, const char* part) { return s.find(part) != std::string::npos; };
+  StartUp rising(0.1);
+  begun(rising, 2, [](double s) { return 20 * s; });
+  EXPECT_TRUE(has(rising.why_not_over(2), "the pressure drop still changes")) << rising.why_not_over(2);
+  EXPECT_FALSE(has(rising.why_not_over(2), "passed"));
+  StartUp passing(1.0);
+  begun(passing, 2, [](double) { return 1.0; });
+  EXPECT_TRUE(has(passing.why_not_over(2), "2 of 5 times, which takes some 3 s more")) << passing.why_not_over(2);
+  StartUp early(0.1);
+  begun(early, 0.0101, [](double) { return 1.0; });
+  EXPECT_TRUE(has(early.why_not_over(0.01), "after 32 samples at couplings, and there are 10"));
+}
+
+TEST(StartUp, BeginsAnew) {
+  StartUp start_up(0.1);
+  EXPECT_FALSE(start_up.has_samples());
+  const double first = begun(start_up, 60, [](double) { return 1.0; });
+  ASSERT_GT(first, 0);
+  start_up.begin_anew(first);
+  EXPECT_FALSE(start_up.over());
+  EXPECT_FALSE(start_up.has_samples());
+  double t = first;
+  for (int n = 0; n < 5000 && !start_up.over(); ++n) {
+    FlowNumbers numbers{};
+    numbers[kFlowPressureDrop] = 2, numbers[kFlowFluidEnergy] = 0.5;
+    start_up.add(t += kDt, kDt, numbers);
+  }
+  EXPECT_NEAR(start_up.begun(), 2 * first, 0.01);
+}
+
 TEST(StartUp, DriftBeginsMeansAnewAndNoiseDoesNot) {
   int restarts = 0;
   for (int r = 0; r < 40; ++r) {
@@ -220,6 +271,54 @@ TEST(MeansError, ShortBatchesAreNotTrusted) {
   EXPECT_FALSE(averages.error().trusted());
   averages.begin_anew();
   EXPECT_FALSE(averages.error().known());
+}
+
+// Neighbouring batches are alike, so that their scatter divided by their number is no error; but a single one bounds it.
+TEST(MeansError, SlowChangeIsBoundedByABatch) {
+  const ParticleGrid coarse(FormulaFluid().grid(), {3, 2, 4});
+  FormulaFluid fluid;
+  Averages averages(MPI_COMM_WORLD, fluid.grid(), fluid.layout(), coarse);
+  // eps_at() goes up by 0.5 x 0.17 x now, but for the cells in which it leaps.
+  const int n = 320;
+  for (int i = 0; i < n; ++i) fluid.set(1e-3 * i / n), averages.add(kDt, fluid, Particles{});
+  const MeansError e = averages.error();
+  EXPECT_FALSE(e.trusted());
+  EXPECT_FALSE(e.steady());
+  EXPECT_GT(e.lag, 0.5);
+  EXPECT_GT(e.scatter, 1.5 * std::max(e.eps, e.flux));
+  EXPECT_TRUE(e.within(2.1 * e.scatter, true));
+  EXPECT_FALSE(e.within(1.9 * e.scatter, true));
+  EXPECT_FALSE(e.within(2.1 * e.scatter, false));  // of too short a time it bounds nothing
+}
+
+TEST(MeansError, SteadyFlowIsSure) {
+  const ParticleGrid coarse(FormulaFluid().grid(), {3, 2, 4});
+  FormulaFluid fluid;
+  Averages averages(MPI_COMM_WORLD, fluid.grid(), fluid.layout(), coarse);
+  for (int i = 0; i < 1000; ++i) averages.add(kDt * (1 + 1e-3 * (i % 7)), fluid, Particles{});
+  const MeansError e = averages.error();
+  EXPECT_TRUE(e.steady());
+  EXPECT_EQ(e.correlation_time, 0);
+  EXPECT_TRUE(e.within(1e-6, true));
+  // The gas has passed a length of 0.03 m so often.
+  double square = 0, all = 0;
+  for_each(averages.state().gas.own(), [&](int i, int j, int k) {
+    all += coarse.shown_volume(i, j, k);
+    for (int d = 0; d < 3; ++d) {
+      double u = 0;
+      const Box b = coarse.block(i, j, k);
+      double volume = 0;
+      for_each(b, [&](int x, int y, int z) {
+        const auto& a = fluid.grid().axis;
+        const double v = a[0].width(x) * a[1].width(y) * a[2].width(z);
+        volume += v, u += v * fluid.centre_velocity(d, x, y, z, 0);
+      });
+      square += coarse.shown_volume(i, j, k) * u / volume * u / volume;
+    }
+  });
+  double sum[2] = {square, all};
+  MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  EXPECT_NEAR(e.passes, averages.weight() * std::sqrt(sum[0] / sum[1]) / 0.03, 1e-9 * e.passes);
 }
 
 TEST(FlowNumbers, AreThoseOfAllRanks) {
