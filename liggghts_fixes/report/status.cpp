@@ -156,6 +156,10 @@ void Status::begin_run(long long step, long long first, long long last) {
   write_of_run();
 }
 
+void Status::end_at(long long step) {
+  if (status_.last_step > step) status_.last_step = step;
+}
+
 void Status::step(long long step) {
   if (path_.empty()) return;
   status_.step = step;

@@ -56,6 +56,8 @@ class Status {
   void open(const std::string& path, const std::string& program, int rank, int ranks);
   /// A `run` from step `first` to `last` begins, or goes on from a checkpoint, at `step`.
   void begin_run(long long step, long long first, long long last);
+  /// The run in hand ends at `step`, if not before.
+  void end_at(long long step);
   /// The run has come to `step`: writes when it is time.
   void step(long long step);
   /// A coupling is done, at `step`; inserted: particles, of the run so far, which the schedule's count is without. Writes

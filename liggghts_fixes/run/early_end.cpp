@@ -41,6 +41,7 @@ class WatchedVerlet : public Verlet {
   void end_after(long long steps, long long done, bool whole) {
     const bigint last = update->laststep = update->ntimestep + steps;
     if (whole) {
+      Status::of_process().end_at(last);
       output->next_thermo = std::min(output->next_thermo, last);
       output->next = std::min(output->next, last);
       modify->addstep_compute(last);

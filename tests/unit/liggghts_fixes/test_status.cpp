@@ -82,11 +82,16 @@ TEST(Status, FollowsARun) {
   EXPECT_TRUE(has(folder.read("status.json"), "\"steps_done\": 0")) << "written before its time";
   s.checkpoint("bed.checkpoint", 150);
   EXPECT_TRUE(has(folder.read("status.json"), "{\"path\": \"bed.checkpoint\", \"step\": 150"));
+  s.end_at(400);  // not before its own end
   s.end_run(300);
   const std::string text = folder.read("status.json");
   EXPECT_TRUE(has(text, "\"particles\": 50,\n  \"particles_lost\": 2")) << text;
   EXPECT_TRUE(has(text, "\"steps_done\": 200, \"steps_to_go\": 0")) << text;
   EXPECT_NEAR(s.now().steps_per_second * s.now().wall_per_simulated, 200 / 0.5, 1e-6);
+  s.begin_run(300, 300, 900);
+  s.end_at(700);
+  s.end_run(700);
+  EXPECT_TRUE(has(folder.read("status.json"), "\"last_step\": 700, \"steps_done\": 400, \"steps_to_go\": 0"));
   s.fail("it broke");
   s.finish();
   EXPECT_TRUE(has(folder.read("status.json"), "\"state\": \"error\",\n  \"error\": \"it broke\""));
