@@ -18,17 +18,21 @@ enum class EpsBound { kMove, kClip };
 enum class Interpolate { kSmooth, kLinear };  ///< eps(t) between couplings, seen by fluid sub-steps
 
 struct OutputSettings {
-  int every = 0;  ///< DEM steps between frames; 0: no output
+  int every = 0;     ///< DEM steps between frames; 0: none
+  bool off = false;  ///< `off` was said after a run: no frames until `every` comes again
   std::string file;
   std::vector<std::string> fields;  ///< u p eps ...
   bool particles = true;
   double average_from = -1;   ///< s; negative: no averages
   bool average_auto = false;  ///< from the end of start-up, which is to be found; average_from is 0
   Vec3 up{0, 0, 0};           ///< against gravity, of length 1; 0: there is none
+  int average_said = 0;       ///< so often after the first run: means begin anew each time
   double until = 0;           ///< relative standard error of the means at which a run ends; 0: it doesn't
   bool overwrite = false;     ///< a file that is there is replaced
   bool keep_old = false;      ///< it gets another name: a run that was to go on, from which no checkpoint is left
   bool many_legs = false;     ///< a new file each time the run goes on from a checkpoint
+
+  bool writes() const { return !file.empty() && (every > 0 || off || average_from >= 0); }
 };
 
 struct Settings {

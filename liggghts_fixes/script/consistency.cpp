@@ -77,8 +77,7 @@ void check_box_boundary(const int boundary[3][2]) {
 void complete(Script& script, const BoxFacts& box) {
   Settings& s = script.settings;
   const OutputSettings& out = s.output;
-  const bool writes = !out.file.empty() && (out.every > 0 || out.average_from >= 0);
-  s.fluid.wall_stress = writes && std::find(out.fields.begin(), out.fields.end(), "walls") != out.fields.end();
+  s.fluid.wall_stress = out.writes() && std::find(out.fields.begin(), out.fields.end(), "walls") != out.fields.end();
   if (!script.domain_given) s.domain = box.bounds;
   for (int d = 0; d < 3; ++d) {
     const double lo = s.domain[2 * d], hi = s.domain[2 * d + 1];
@@ -148,7 +147,8 @@ void complete(Script& script, const BoxFacts& box) {
            "ratio " + text(s.ratio[0]) + " " + text(s.ratio[1]) + " " + text(s.ratio[2]) + " in the fix command",
            "ratio 1 1 1, for this method sees the particles on the fine cells; or one of the two-grid methods");
   if (s.output.every > 0 && s.output.file.empty()) refuse("output", "no file", "file and a name");
-  if (s.output.every == 0 && !s.output.file.empty()) refuse("output", "no every", "every and a number of DEM steps");
+  if (s.output.every == 0 && !s.output.file.empty() && !s.output.off)
+    refuse("output", "no every", "every and a number of DEM steps");
   if (s.output.every > 0 && !script.every_auto && s.output.every % s.every != 0)
     refuse("output every", std::to_string(s.output.every), "a multiple of the fix's every, " + std::to_string(s.every));
 }

@@ -3,11 +3,11 @@
 
 #include "coupling/forces/drag.h"
 #include "coupling/methods.h"
-#include "coupling/output/output.h"
 #include "liggghts_fixes/script/boundary_words.h"
 #include "liggghts_fixes/script/keywords.h"
 #include "liggghts_fixes/script/models.h"
 #include "liggghts_fixes/script/options.h"
+#include "liggghts_fixes/script/output_words.h"
 
 namespace twogrid {
 namespace {
@@ -131,73 +131,6 @@ void parse_eps_bound(const Line& line) {
   Settings& s = line.settings();
   s.bound = take_option(line.words, line.keyword, kBounds);
   s.eps_min = line.number("a smallest void fraction between 0 and 1", kVoidFractions);
-}
-
-// ---- output --------------------------------------------------------------------------------------------------------
-
-void parse_output(const Line& line) {
-  OutputSettings& out = line.settings().output;
-  Words& words = line.words;
-  const bool started = line.started;
-  if (words.take_if("off")) {
-    out.every = 0;
-    return;
-  }
-  static const std::vector<std::string> kFields = [] {
-    std::vector<std::string> names = output_fields();
-    for (const Model& m : models()) names.insert(names.end(), m.fields.begin(), m.fields.end());
-    return names;
-  }();
-  bool any = false;
-  for (;; any = true) {
-    if (words.take_if("every")) {
-      out.every = words.whole("output every", "a whole number of DEM steps, at least 1", 1);
-    } else if (!started && words.take_if("file")) {
-      out.file = words.name("output file", "a file name");
-    } else if (!started && words.take_if("fields")) {
-      out.fields.clear();
-      while (std::find(kFields.begin(), kFields.end(), words.peek()) != kFields.end())
-        out.fields.push_back(words.word("output fields", ""));
-      if (out.fields.empty()) refuse("output fields", words.peek(), listed(kFields));
-    } else if (!started && words.take_if("particles")) {
-      out.particles = words.yes_or_no("output particles");
-    } else if (!started && words.take_if("overwrite")) {
-      out.overwrite = words.yes_or_no("output overwrite");
-    } else if (!started && words.take_if("legs")) {
-      out.many_legs = words.one_of("output legs", {"one", "many"}) == 1;
-    } else if (!started && words.take_if("average")) {
-      words.one_of("output average", {"from"});
-      out.average_auto = words.take_if("auto");
-      out.average_from =
-          out.average_auto ? 0 : words.number("output average from", "a time in s, at least 0, or auto", kTimes);
-      out.until = 0;
-      if (words.take_if("until"))
-        out.until = words.number("output average until", "a relative standard error above 0, such as 0.02", kErrors);
-    } else {
-      break;
-    }
-  }
-  if (!any)
-    refuse("output", words.peek(),
-           started ? "off or every N (the rest is fixed at the first run)"
-                   : "every N file F [fields u p eps] [particles yes|no] [average from T|auto [until X]] [overwrite "
-                     "yes|no] "
-                     "[legs one|many], or off");
-}
-
-std::string output_text(const Script& script) {
-  const OutputSettings& out = script.settings.output;
-  if (out.every == 0) return "";
-  std::string s = "every " + std::to_string(out.every);
-  if (!out.file.empty()) s += " file " + out.file;
-  if (!out.fields.empty()) s += " fields";
-  for (const std::string& f : out.fields) s += " " + f;
-  s += out.particles ? " particles yes" : " particles no";
-  if (out.average_from >= 0) s += " average from " + (out.average_auto ? "auto" : exact(out.average_from));
-  if (out.until > 0) s += " until " + exact(out.until);
-  s += out.overwrite ? " overwrite yes" : " overwrite no";
-  s += out.many_legs ? " legs many" : " legs one";
-  return s;
 }
 
 // ---- checkpoint ----------------------------------------------------------------------------------------------------
@@ -440,9 +373,11 @@ std::vector<Keyword> make_rows() {
        "`every` N DEM steps, `file` NAME.h5, `fields` some of `u p eps faces walls`, `particles yes` or `no`, `average "
        "from` T (s of fluid time) or `auto`: from the end of start-up on, which the run finds; `until` X: the run ends "
        "when "
-       "the means' relative standard error is X; `overwrite no` or `yes`: replace a file that is there, `legs one` or "
+       "the means' relative standard error is X (said after the first run: the means begin anew); `overwrite no` or "
+       "`yes`: replace a file that is there, `legs one` or "
        "`many`: a file for each restart; or `off`",
-       "", "", "none", "", parse_output, output_text, nullptr, false, true},
+       "", "", "none", "", [](const Line& l) { parse_output(l.settings().output, l.words, l.started); },
+       [](const Script& s) { return output_text(s.settings.output); }, nullptr, false, true},
       {"checkpoint",
        "`every` N (DEM steps), T `min` or T `h`, `folder` NAME, `keep` K; or `write` FILE, between runs, or `read` "
        "FILE, "

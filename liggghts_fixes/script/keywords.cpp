@@ -68,7 +68,7 @@ const Keyword* take_keyword(const std::vector<Keyword>& rows, Words& words) {
 void take_values(const Keyword& row, Script& script, Words& words, bool started) {
   if (started && !row.later)
     refuse(row.words, "a change after the first run",
-           "it before: only velocities of inlets and walls and the times of output may change later");
+           "it before: only velocities of inlets and walls and the times of output and means may change later");
   row.parse(Line{script, words, row.words, started});
 }
 

@@ -117,6 +117,8 @@ TEST(ScriptModify, EveryKeywordReachesItsMember) {
   EXPECT_EQ(t.output.average_from, 0.5);
   modify(s, "output off deposit cube 0.003 read cube 0.003");
   EXPECT_EQ(s.settings.output.every, 0);
+  EXPECT_FALSE(s.settings.output.writes());
+  EXPECT_TRUE(s.settings.output.file.empty());
   EXPECT_EQ(s.settings.cube_edge, 0.003);
   EXPECT_EQ(s.settings.read, Read::kCube);
 }
@@ -239,7 +241,20 @@ TEST(ScriptModify, AfterTheFirstRunOnlyVelocitiesAndTimesOfOutput) {
   EXPECT_TRUE(has(sentence([&] { modify(s, "boundary xlo inlet 1 0 0", true); }), "first run"));
   EXPECT_TRUE(has(sentence([&] { modify(s, "boundary zhi pressure 3", true); }), "first run"));
   EXPECT_TRUE(has(sentence([&] { modify(s, "drag wenyu", true); }), "first run"));
-  EXPECT_TRUE(has(sentence([&] { modify(s, "output file b.h5", true); }), "off or every"));
+  EXPECT_TRUE(has(sentence([&] { modify(s, "output file b.h5", true); }), "off, every"));
+  EXPECT_TRUE(has(sentence([&] { modify(s, "output average from 1", true); }), "no means"));
+  Script m = fix();
+  modify(m, "output every 10 file a.h5 average from 1");
+  modify(m, "output average from auto until 0.1", true);
+  EXPECT_TRUE(m.settings.output.average_auto);
+  EXPECT_EQ(m.settings.output.average_said, 1);
+  modify(m, "output off", true);
+  EXPECT_TRUE(m.settings.output.writes());
+  EXPECT_TRUE(has(sentence([&] {
+                    Script none = fix();
+                    modify(none, "output every 10", true);
+                  }),
+                  "before the first run"));
 }
 
 TEST(ScriptComplete, DomainAndSidesComeFromTheBox) {
