@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -41,6 +40,7 @@
 #include "liggghts_fixes/script/consistency.h"
 #include "liggghts_fixes/script/keywords.h"
 #include "liggghts_fixes/script/models.h"
+#include "liggghts_fixes/script/output_words.h"
 #include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
@@ -123,7 +123,10 @@ void FixTwogrid::grow_arrays(int) {
 int FixTwogrid::modify_param(int narg, char** arg) {
   guarded([&] {
     set_up_ = false;
+    const OutputSettings before = script_.settings.output;
     parse_fix_modify(script_, std::vector<std::string>(arg, arg + narg), fluid_ || has_run_);
+    const std::string dropped = fluid_ || has_run_ ? "" : dropped_output(before, script_.settings.output);
+    if (!dropped.empty()) watch_.warn(dropped);
     size_vector = Report::kValues + BodyFigures::count(script_.bodies.size());
     if (!script_.settings.output.file.empty()) check(script_.settings.output);
     kept_ = kept_ || !script_.checkpoint_write.empty() || !script_.checkpoint_read.empty();
@@ -238,19 +241,6 @@ void FixTwogrid::build() {
         "the particles come from a restart file, which holds no fluid: the fluid starts from 'initial u' at time 0");
 }
 
-void FixTwogrid::open_output(const SceneFacts& facts) {
-  OutputSettings& out = script_.settings.output;
-  if (out.file.empty() || (out.every <= 0 && out.average_from < 0)) return;
-  if (files_are_still()) return open_planned_output(facts);
-  Record record = run_record(*lmp);
-  record.settings = settings_texts(script_);
-  out.keep_old = restarting();
-  const Vec3& g = facts.gravity;
-  const double size = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-  for (int d = 0; d < 3 && size > 0; ++d) out.up[d] = -g[d] / size;
-  output_ = std::make_unique<Output>(world, script_.settings, *fluid_, record);
-}
-
 Particles FixTwogrid::particles() {
   array_atom = state_->array_atom;
   Particles p = view_particles(*lmp, groupbit, motion_, *state_, *step_);
@@ -282,6 +272,7 @@ void FixTwogrid::setup(int) {
     if (fresh) body_figures_.take(fluid_->body_forces(), coupling_->report());
     started_ = set_up_ = true;
     names_.run_is_set_up();
+    meet_conditions();
     if (gravity_varies_) coupling_->set_gravity(find_weights(*lmp, true));
     coupling_->force(p, update->dt, false);
     watch_.look(coupling_->report(), schedule_.steps());
@@ -311,6 +302,7 @@ void FixTwogrid::pre_initial_integrate() {
     if (!coupling_->resting()) return;
     Particles p = particles();
     coupling_->start(p, update->dt);
+    meet_conditions();
   });
 }
 
@@ -372,71 +364,15 @@ void FixTwogrid::end_of_step() {
   if (update->ntimestep == update->laststep) guarded([&] { coupling_->rest(moved); });
 }
 
-void FixTwogrid::end_coupling() {
-  schedule_.end_step();
-  guarded([&] {
-    if (output_) {
-      Particles p = particles();
-      {
-        const Stopwatch watch = times_.output();
-        const std::string news = output_->average(schedule_.interval(), p, coupling_->report().pressure_drop);
-        if (!news.empty()) watch_.say("twogrid: " + news + "\n");
-      }
-      if (ends_by_itself() && planned_end_.step == 0 && output_->sure_enough()) {
-        planned_end_.step = update->ntimestep + script_.settings.every;
-        watch_.say("twogrid: the means are as sure as 'until' wants: the run ends at step " +
-                   std::to_string(planned_end_.step) + "\n");
-      }
-      if (frame_due()) write_frame(p);
-    }
-    watch_.tell_progress(times_.done(update->ntimestep), coupling_->report(), schedule_);
-  });
-}
-
-bool FixTwogrid::ends_by_itself() const {
-  return output_ && script_.settings.output.until > 0 && !planned_end_.reached;
-}
-
-long long FixTwogrid::steps_undecided() const {
-  if (!ends_by_itself()) return std::numeric_limits<int>::max();
-  // With accuracy the interval changes between couplings.
-  const long long every = script_.settings.every, samples = accuracy_.on() ? 1 : output_->samples_to_decide();
-  const long long now = update->ntimestep;
-  return accuracy_.on() && script_.every_auto ? std::max(1LL, every - schedule_.steps())
-                                              : (now / every + samples) * every - now;
-}
-
-long long FixTwogrid::steps_to_end() const {
-  return ends_by_itself() && planned_end_.step > 0 ? planned_end_.step - update->ntimestep : 0;
-}
-
-void FixTwogrid::tell_sureness() {
-  const std::string sure = output_ ? output_->sureness() : "";
-  if (!sure.empty()) watch_.say("twogrid: " + sure + "\n");
-}
-
-bool FixTwogrid::stands_at_planned_end() const {
-  return ends_by_itself() && planned_end_.step > 0 && update->ntimestep >= planned_end_.step;
-}
-
-bool FixTwogrid::frame_due() const {
-  return output_ && !files_are_still() && schedule_.frame_due(update->ntimestep, script_.settings.output.every);
-}
-
-void FixTwogrid::write_frame(const Particles& p) {
-  const Stopwatch watch = times_.output();
-  output_->frame(coupling_->report().fluid_time, long(update->ntimestep), p);
-  schedule_.frame_written(update->ntimestep, script_.settings.output.every);
-}
-
 void FixTwogrid::post_run() {
   if (!set_up_) return;
   guarded([&] {
     if (output_) output_->finish();
+    note_conditions();
     const std::string times = times_.text(world, coupling_->shares());
     if (!files_are_still() && times_.done(update->ntimestep) > 0) watch_.say(times + "\n");
     watch_.warn_of_unused_options("-", "");
-    if (accuracy_.on()) watch_.say(accuracy_text(accuracy_) + "\n");
+    if (accuracy_.on()) watch_.say(accuracy_text(accuracy_, script_) + "\n");
     for (const std::string& sentence : blown_lines(script_, *fluid_)) watch_.say("twogrid: " + sentence + "\n");
     Particles p = particles();
     coupling_->rest(p);

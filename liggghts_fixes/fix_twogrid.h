@@ -158,6 +158,10 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   Particles particles();
   void couple();
   void end_coupling();
+  bool takes_means() const;
+  void meet_conditions();
+  void note_conditions();
+  NumberList conditions_kept();
   void adjust_steps();
   bool ends_by_itself() const;
   bool frame_due() const;
@@ -180,6 +184,13 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   bool kept_ = false;                   // a command has written or read a checkpoint
   std::unique_ptr<Balance> balance_;    // null: not wanted
   bool balance_said_ = false;
+
+  /// Of the flow, when the last run ended; for the means.
+  struct {
+    bool known = false;
+    int average_said = 0;  // so often had the script said it by then; for a checkpoint's run it says it again
+    std::vector<double> value;
+  } conditions_;
 
   Schedule schedule_;
   PlannedEnd planned_end_;

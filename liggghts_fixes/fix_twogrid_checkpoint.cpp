@@ -35,7 +35,11 @@ CheckpointParts FixTwogrid::checkpoint_parts(InsertionState* insertion) {
     numbers.back().of_script = true;
   }
   if (!script_.bodies.empty()) numbers.push_back(numbers_of("bodies", body_figures_));
-  if (script_.settings.output.until > 0) numbers.push_back(numbers_of("planned_end", planned_end_));
+  if (script_.settings.output.until > 0) {
+    numbers.push_back(numbers_of("planned_end", planned_end_));
+    numbers.back().of_script = true;
+  }
+  if (takes_means()) numbers.push_back(conditions_kept());
   if (accuracy_.on()) numbers.push_back(numbers_of("accuracy", accuracy_));
   if (balance_ && !beginning_) numbers.push_back(numbers_of("balance", *balance_));
   return {world, script_.settings, *fluid_, *coupling_, schedule_.state(), output_.get(), std::move(numbers)};

@@ -100,6 +100,27 @@ bool ScriptNames::hangs_on_step(const std::string& variable, int depth) const {
   return true;
 }
 
+/// Of a variable and of those that it names: what they are, not their values.
+std::string ScriptNames::formulas(const std::string& variable, int depth) const {
+  Variable* const variables = lammps_.input->variable;
+  std::string name = variable;
+  const int v = variables->find(name.data());
+  if (v < 0 || depth > 20) return variable;
+  if (!variables->equalstyle(v)) {
+    const char* const value = variables->atomstyle(v) ? nullptr : variables->retrieve(name.data());
+    return variable + "=" + (value ? value : "");
+  }
+  const std::string formula = (variables->*member(VariableData()))[v][0];
+  std::string all = formula;
+  for (std::size_t i = formula.find("v_"); i != std::string::npos; i = formula.find("v_", i + 2)) {
+    std::size_t end = i + 2;
+    while (end < formula.size() && (std::isalnum(static_cast<unsigned char>(formula[end])) || formula[end] == '_'))
+      ++end;
+    all += ";" + formulas(formula.substr(i + 2, end - i - 2), depth + 1);
+  }
+  return all;
+}
+
 /// Of either sign; NaN: not to be known.
 double ScriptNames::largest_ahead(const std::string& variable, const std::string& keyword) const {
   constexpr int kLooks = 64;

@@ -16,6 +16,17 @@ class LAMMPS;
 
 namespace twogrid {
 
+/// Of the flow, as a run has it at its beginning or end: a velocity, a pressure. Of a variable that hangs on more than the
+/// step its formula counts, as a number without meaning.
+struct FlowCondition {
+  std::string name;
+  double value = 0;
+  bool formula = false;
+};
+
+/// What differs, as a sentence's beginning: the first one's name with both values; empty: nothing.
+std::string change_of(const std::vector<double>& before, const std::vector<FlowCondition>& now);
+
 class ScriptNames {
  public:
   /// script: of the fix of this id; it must live as long, and is written to.
@@ -37,11 +48,17 @@ class ScriptNames {
   /// What inlets and bodies that blow reach in the run that is being initialised. Variables that hang on nothing but the step
   /// (numbers, functions, ramp, other such variables) are looked at along it.
   InletsAhead ahead() const;
+  /// All of the flow's, now: of the sides, the bodies that blow, and of what drives it. Always as many.
+  std::vector<FlowCondition> conditions() const;
+  /// Whether anything drives the fluid through the domain in the run that is being set up, or a wall moves it.
+  bool drives_flow() const;
   /// Value of a variable, now. Throws std::invalid_argument, naming the keyword, where it is none.
   double equal_style(const std::string& variable, const std::string& keyword) const;
 
  private:
   bool hangs_on_step(const std::string& variable, int depth = 0) const;
+  std::string formulas(const std::string& variable, int depth = 0) const;
+  FlowCondition condition(const std::string& name, const std::string& variable, double number) const;
   double largest_ahead(const std::string& variable, const std::string& keyword) const;
   Vec3 velocity_now(int side, std::size_t condition) const;
 

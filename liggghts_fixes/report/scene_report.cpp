@@ -10,6 +10,7 @@
 #include "liggghts_fixes/script/boundary_words.h"
 #include "liggghts_fixes/script/keywords.h"
 #include "liggghts_fixes/script/models.h"
+#include "liggghts_fixes/script/output_words.h"
 #include "liggghts_fixes/script/words.h"
 
 namespace twogrid {
@@ -60,7 +61,7 @@ std::vector<std::string> scene_savings(const Settings& s, const SceneFacts& fact
   return text;
 }
 
-std::string accuracy_text(const Accuracy& a) {
+std::string accuracy_text(const Accuracy& a, const Script& script) {
   const auto percent = [](double x) { return brief(100 * x) + " %"; };
   const auto range = [](const StepControl& c) {
     return std::lround(c.shortest()) == std::lround(c.longest())
@@ -78,10 +79,16 @@ std::string accuracy_text(const Accuracy& a) {
       text +=
           "shorter ones don't help, since what is left is the noise of particles that cross cells; choose 'deposit "
           "trilinear' or 'exact' and 'read trilinear', or larger particle cells by ratio";
+    else if (coupling > fluid && script.every_auto && a.every() > 1)
+      text += "'every auto' lowers every step by step, in the course of a longer run";
     else if (coupling > fluid)
-      text += "lower every (or say 'every auto'), or timestep where every is 1 already";
+      text += script.every_auto ? "lower timestep, for every is 1 already"
+                                : "lower every (or say 'every auto'), or timestep where every is 1 already";
+    else if (!script.settings.cfl_given && script.settings.fluid.dt == 0 && a.cfl() > Accuracy::kSmallestCfl)
+      text += "accuracy lowers cfl step by step, in the course of a longer run";
     else
-      text += "lower cfl (or leave it to accuracy), or every";
+      text +=
+          std::string(script.settings.fluid.dt > 0 ? "lower dt" : "lower cfl") + " (or leave it to accuracy), or every";
   }
   return text;
 }
@@ -225,7 +232,7 @@ std::string scene_report(const Script& script, const FineGrid& grid, const Scene
                                " diameters; 0.25 to 0.7 diameters is fastest (-skin best takes it so)");
   line("ranks", std::to_string(facts.ranks) + " as " + three(facts.bricks) +
                     (facts.fluid_bricks == facts.bricks ? "" : ", the fluid as " + three(facts.fluid_bricks)));
-  if (s.output.every > 0) line("output", s.output.file + " every " + std::to_string(s.output.every) + " steps");
+  if (const std::string output = output_text(s.output); !output.empty()) line("output", output);
   for (const std::string& w : scene_warnings(s, grid, facts, n, every_auto)) out << "  WARNING: " << w << "\n";
   return out.str();
 }

@@ -21,6 +21,6 @@ std::vector<std::string> scene_warnings(const Settings& settings, const FineGrid
 std::string scene_report(const Script& script, const FineGrid& grid, const SceneFacts& facts);
 
 /// What the checks of a run found, and a warning where it is more than was wanted.
-std::string accuracy_text(const Accuracy& accuracy);
+std::string accuracy_text(const Accuracy& accuracy, const Script& script);
 
 }  // namespace twogrid
