@@ -35,7 +35,7 @@ dump_modify d sort id format "%d %.17g %.17g %.17g"
 variable i loop 3
 label again
 variable U equal 0.6-0.1*$i
-run 150000
+run 600000
 next i
 jump SELF again
 """
