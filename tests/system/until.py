@@ -83,7 +83,9 @@ def short(c, executable, ranks):
 def first_bed(executable, seed, plan, steps):
     with open(os.path.join(TOP, "cases", "first_bed", "in.first_bed")) as f:
         text = f.read()
-    text = text.replace("seed 49979687", f"seed {seed}").replace("average from ${tavg}", "average from " + plan).replace("fields u p eps", "fields eps")
+    text, found = re.subn(r"(variable +seed +index) \d+", rf"\1 {seed}", text)
+    assert found == 1, "cases/first_bed/in.first_bed has no variable seed"
+    text = text.replace("average from ${tavg}", "average from " + plan).replace("fields u p eps", "fields eps")
     text = re.sub(r"output every \d+", "output every 1000000", re.sub(r"\nrun +\$\{steps\}", f"\nrun {steps}", text))
     run = Run(executable, text, timeout=3000)
     return run, means(run.path, "first_bed.h5")
