@@ -37,6 +37,7 @@
 #include "liggghts_fixes/liggghts/balance.h"
 #include "liggghts_fixes/liggghts/motion.h"
 #include "liggghts_fixes/liggghts/script_names.h"
+#include "liggghts_fixes/report/planned_bed.h"
 #include "liggghts_fixes/report/run_times.h"
 #include "liggghts_fixes/run/planned_end.h"
 #include "liggghts_fixes/run/run_watch.h"
@@ -117,8 +118,8 @@ class FixTwogrid : public LAMMPS_NS::Fix {
   bool borders_follow() const;
   /// Velocities of inlets are those of this step of the run; 0: of the step in hand.
   void look_ahead(long long step) { names_.look_ahead(step); }
-  /// Share of the bed whose particles the fluid carries, 0 to 1; negative: not known, nothing blows. Collective.
-  double carried_share();
+  /// What of the bed the fluid carries; a negative share: not known, nothing blows. Collective.
+  PlannedBed planned_bed();
   bool nothing_moves() const { return motion_.still; }
   /// Step from which on a frame is due. None is written in a plan: those up to a step are taken for written.
   long long next_frame() { return schedule_.state().next_frame; }

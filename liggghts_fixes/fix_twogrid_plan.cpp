@@ -77,15 +77,15 @@ PlannedOutput FixTwogrid::measure_output() {
   return cost;
 }
 
-double FixTwogrid::carried_share() {
-  if (!fluid_) return -1;
+PlannedBed FixTwogrid::planned_bed() {
+  if (!fluid_) return {};
   Settings now = script_.settings;
   now.fluid = fluid_->settings();
   const FineGrid& grid = fluid_->grid();
   SceneFacts facts = scene_facts(*lmp, groupbit);
   look_at_bodies(facts);
   const SceneNumbers n = scene_numbers(now, grid, facts);
-  return twogrid::carried_share(now, grid, n, settled_bed(now, grid, facts));
+  return {carried_share(now, grid, n, settled_bed(now, grid, facts)), n.U_bed};
 }
 
 bool FixTwogrid::borders_follow() const {

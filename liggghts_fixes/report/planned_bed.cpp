@@ -35,6 +35,10 @@ double carried_share(const Settings& s, const FineGrid& grid, const SceneNumbers
   return std::min(1.0, share);
 }
 
+double planned_builds(const PlannedBed& bed, double skin, double dt) {
+  return bed.share > 0 && skin > 0 ? std::min(1.0, 0.65 * bed.U_bed * dt / (0.5 * skin)) : 0.0;
+}
+
 double planned_contacts(double share, double measured, double falls, double seconds) {
   const double settled = std::max(measured, kSettledContacts);
   if (share >= 0) return share * kCarriedContacts + (1 - share) * settled;

@@ -23,9 +23,9 @@ struct PlannedSpheres {
   double number = 0;  ///< of all ranks
 };
 
-/// CPU s of a DEM step: of a particle that touches none, and of a contact; 0: unknown.
+/// CPU s of a DEM step: of a particle that touches none, and of a contact; of new neighbour lists, of a particle. 0: unknown.
 struct ContactCosts {
-  double particle = 0, contact = 0;
+  double particle = 0, contact = 0, build = 0;
 };
 
 /// commands: that the script's scene has been made with; execute: a line. What

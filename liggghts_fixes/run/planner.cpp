@@ -105,6 +105,7 @@ Planner::Times Planner::now() const {
   Times t;
   t.cpu = cpu_seconds();
   t.step = lammps_.update->ntimestep;
+  t.builds = lammps_.neighbor->ncalls;
   for (const FixTwogrid* f : fluids(lammps_)) {
     const Shares s = f->shares();
     t.deposit += s.deposit, t.map += s.map, t.fluid += s.fluid, t.output += s.output;
@@ -160,8 +161,9 @@ void Planner::look_ahead(long long step) {
 }
 
 void Planner::look_at_bed() {
-  share_ = -1;
-  for (FixTwogrid* f : fluids(lammps_)) share_ = std::max(share_, f->carried_share());
+  bed_ = {};
+  for (FixTwogrid* f : fluids(lammps_))
+    if (const PlannedBed b = f->planned_bed(); b.share > bed_.share) bed_ = b;
   contacts_ = count_contacts(lammps_);
 }
 
@@ -221,9 +223,13 @@ void Planner::end_part(long long to, const std::vector<Command>& commands) {
     const double measured = present > 0 ? contacts / present : 0.0;
     // In a fluid at rest they sink more slowly; scripts let them settle, and mostly not much longer.
     const double falls = fluids(lammps_).empty() ? fall_ - fallen_ : 0.5 * run_seconds;
-    const double wanted = planned_contacts(share_, measured, falls, run_seconds);
+    const double wanted = planned_contacts(bed_.share, measured, falls, run_seconds);
     missing_.back().contacts +=
         (wanted - measured) * here * fullest_share(run.parts, plan_.ranks) * double(to - part_.step);
+    const double builds =
+        planned_builds(bed_, lammps_.neighbor->skin, update.dt) - double(to_.builds - from_.builds) / steps;
+    missing_.back().builds +=
+        std::max(0.0, builds) * here * fullest_share(run.parts, plan_.ranks) * double(to - part_.step);
   }
   fallen_ += run_seconds;
   scene_ = commands;
@@ -323,7 +329,7 @@ void Planner::finish(bool stopped, const std::function<void(const std::string&)>
   for (std::size_t i = 0; i < missing_.size(); ++i) {
     double& seconds = plan_.runs[i].particle_seconds;
     seconds = std::max(0.3 * seconds, seconds + missing_[i].contacts * cost.contact) +
-              1.5 * missing_[i].particles * cost.particle;
+              1.5 * missing_[i].particles * cost.particle + missing_[i].builds * cost.build;
   }
   if (stopped)
     plan_.remarks.push_back(

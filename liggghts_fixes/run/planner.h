@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "liggghts_fixes/report/plan_table.h"
+#include "liggghts_fixes/report/planned_bed.h"
 #include "liggghts_fixes/run/contact_costs.h"
 #include "liggghts_fixes/run/planned_files.h"
 
@@ -19,6 +20,7 @@ namespace twogrid {
 /// What a run's moment didn't show.
 struct MissingWork {
   double contacts = 0, particles = 0;  ///< times DEM steps, of the fullest rank
+  double builds = 0;                   ///< of the neighbour lists, times particles of the fullest rank
 };
 
 class Planner {
@@ -49,7 +51,7 @@ class Planner {
  private:
   struct Times {
     double cpu = 0, deposit = 0, map = 0, fluid = 0, output = 0;
-    long long step = 0, fluid_steps = 0;
+    long long step = 0, fluid_steps = 0, builds = 0;
   };
   Times now() const;
   double most_of_ranks(double value) const;
@@ -75,7 +77,7 @@ class Planner {
   // Of the part in hand.
   long long part_end_ = 0;
   std::vector<std::string> insertions_;  // that are done in it
-  double share_ = -1;                    // of the bed, carried by the fluid
+  PlannedBed bed_;                       // as the fluid carries it
   double contacts_ = 0;                  // of this rank
   double fall_ = 0;                      // s that particles would fall for
   Times part_, loop_, from_, to_,

@@ -136,6 +136,14 @@ TEST(PlannedBed, WhatTheGasCarries) {
   EXPECT_LT(carried_share(s, grid, n, bed), 0);
 }
 
+TEST(PlannedBed, NeighbourLists) {
+  // 0.65 m/s, half a skin of 0.5 mm: a list in 38.5 steps of 20 us.
+  EXPECT_NEAR(planned_builds({0.5, 1.0}, 1e-3, 2e-5), 1 / 38.46, 1e-4);
+  EXPECT_DOUBLE_EQ(planned_builds({0, 1.0}, 1e-3, 2e-5), 0);   // at rest
+  EXPECT_DOUBLE_EQ(planned_builds({-1, 1.0}, 1e-3, 2e-5), 0);  // nothing blows
+  EXPECT_DOUBLE_EQ(planned_builds({1, 1e6}, 1e-3, 2e-5), 1);   // no more than one a step
+}
+
 TEST(PlannedBed, Contacts) {
   EXPECT_DOUBLE_EQ(planned_contacts(0, 0.1, 0, 1), kSettledContacts);
   EXPECT_DOUBLE_EQ(planned_contacts(1, 0.1, 0, 1), kCarriedContacts);
