@@ -31,12 +31,12 @@ void FixTwogrid::open_output(const SceneFacts& facts) {
 }
 
 bool FixTwogrid::takes_means() const {
-  return output_ && !files_are_still() && output_->averages();
+  return output_ && output_->averages();
 }
 
 /// A run begins: as the one before ended, or with other conditions of the flow, which means must not hold together in silence.
 void FixTwogrid::meet_conditions() {
-  if (!takes_means()) return;
+  if (!takes_means() || files_are_still()) return;
   const OutputSettings& out = script_.settings.output;
   output_->set_driven(names_.drives_flow());
   if (conditions_.average_said != out.average_said) {
