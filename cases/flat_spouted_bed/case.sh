@@ -2,7 +2,7 @@
 title="flat spouted bed"
 what="12,000 spheres of 3 mm over a slot of 5 mm with a jet of 43.5 m/s, and gas through all the floor"
 against="conservation; drag law; weight of the bed; Wen & Yu (1966), 30 %; jet lengths of Merry (1975) and Yang & Keairns (1978); symmetry"
-time_short="15 s" time_run="16 min" time_long="45 min" memory="120 MB"
+time_short="15 s" time_run="10 min" time_long="45 min" memory="120 MB"
 second=pz
 long="-var tend 8.0"
 # Soft contacts, fewer grains on coarse cells in a lower box: what needs a long mean is printed without a verdict.
