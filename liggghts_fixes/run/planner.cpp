@@ -243,6 +243,7 @@ void Planner::end_part(long long to, const std::vector<Command>& commands) {
     update.atime += double(left) * update.dt;
     update.ntimestep = update.atimestep = to;
     for (int i = 0; i < lammps_.modify->nfix; ++i) {
+      if (!lammps_.modify->fix[i]->force_reneighbor) continue;  // LIGGGHTS leaves theirs unset
       bigint& next = lammps_.modify->fix[i]->next_reneighbor;
       if (next > 0 && next <= to) next = to + 1;
     }
