@@ -42,18 +42,3 @@ mode_words() {  # --short, --long or nothing
     --long) [ -n "$long" ] || { echo "$name has no long mode" >&2; return 2; }; echo "$long" ;;
   esac
 }
-
-# Of the words -var NAME VALUE... that a choice of that name stands at the top of the script, with as many values; there may be more or fewer
-# where it has several.
-check_choices() {
-  while [ $# -gt 0 ]; do
-    case $1 in -*) [ "$1" = -var ] || { echo "run: $1 stands behind -var: options come before it" >&2; exit 2; } ;; esac
-    [ $# -ge 3 ] || [ $# -eq 2 ] || { echo "run: -var wants a name and a value" >&2; exit 2; }
-    choice=$2 n=0
-    shift 2
-    while [ $# -gt 0 ] && [ "$1" != -var ] && [ "${1#--}" = "$1" ]; do n=$((n + 1)); shift; done
-    there=$(sed -n "s/^variable  *$choice  *index  *//p" "$case/in.$name" | sed 's/ *#.*//;s/  *&.*//')
-    [ -n "$there" ] || { echo "run: there is no choice $choice at the top of $case/in.$name; there are $(sed -n 's/^variable  *\([A-Za-z0-9_]*\)  *index .*/\1/p' "$case/in.$name" | tr '\n' ' ')" >&2; exit 2; }
-    [ "$n" -eq 1 ] || { [ "$n" -gt 1 ] && [ "$(echo "$there" | wc -w)" -gt 1 ]; } || { echo "run: -var $choice has $n values, wanted is one" >&2; exit 2; }
-  done
-}

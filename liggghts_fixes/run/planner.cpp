@@ -224,12 +224,11 @@ void Planner::end_part(long long to, const std::vector<Command>& commands) {
     // In a fluid at rest they sink more slowly; scripts let them settle, and mostly not much longer.
     const double falls = fluids(lammps_).empty() ? fall_ - fallen_ : 0.5 * run_seconds;
     const double wanted = planned_contacts(bed_.share, measured, falls, run_seconds);
-    missing_.back().contacts +=
-        (wanted - measured) * here * fullest_share(run.parts, plan_.ranks) * double(to - part_.step);
+    const double work = here * fullest_share(run.parts, plan_.ranks) * double(to - part_.step);
+    missing_.back().contacts += (wanted - measured) * work;
     const double builds =
         planned_builds(bed_, lammps_.neighbor->skin, update.dt) - double(to_.builds - from_.builds) / steps;
-    missing_.back().builds +=
-        std::max(0.0, builds) * here * fullest_share(run.parts, plan_.ranks) * double(to - part_.step);
+    missing_.back().builds += std::max(0.0, builds) * work;
   }
   fallen_ += run_seconds;
   scene_ = commands;

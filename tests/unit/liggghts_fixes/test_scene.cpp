@@ -261,29 +261,27 @@ TEST(SceneWarnings, NoneAtTheLimitItself) {
   f.d_min = f.d_mean = f.d_max = 1.2e-3;
   s.ratio = {2, 2, 2};  // particle cells of two diameters
   s.deposit = Deposit::kCentroid;
-  const auto rough = [&] {
+  const auto warned = [&](const char* words) {
     const FineGrid grid = fine_grid(s, {false, false, false});
-    return any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "below 2");
+    return any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), words);
   };
-  EXPECT_FALSE(rough());
+  const char* const rough = "below 2";
+  const char* const filled = "below 1: a particle fills it";
+  EXPECT_FALSE(warned(rough));
   f.d_max = 1.2001e-3;
-  EXPECT_TRUE(rough());
+  EXPECT_TRUE(warned(rough));
   // Volume of sphere and cell in common: a cell holds one.
   f.d_max = 2.4e-3;
   s.deposit = Deposit::kExact;
-  const auto filled = [&] {
-    const FineGrid grid = fine_grid(s, {false, false, false});
-    return any_with(scene_warnings(s, grid, f, scene_numbers(s, grid, f)), "below 1: a particle fills it");
-  };
-  EXPECT_FALSE(filled());
+  EXPECT_FALSE(warned(filled));
   f.d_max = 2.4001e-3;
-  EXPECT_TRUE(filled());
+  EXPECT_TRUE(warned(filled));
   s.deposit = Deposit::kCube;
-  EXPECT_FALSE(filled());
+  EXPECT_FALSE(warned(filled));
   // Grains of a template that isn't in yet; cells that were chosen before it was there.
   s.deposit = Deposit::kCentroid;
   f.d_max = 1.2e-3, f.d_most = 6e-3;
-  EXPECT_TRUE(rough());
+  EXPECT_TRUE(warned(rough));
   f.chosen_for = 1.2e-3;
   const FineGrid grid = fine_grid(s, {false, false, false});
   EXPECT_TRUE(
